@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from controllers.arm.kinematics import Dimensions, tool_axis_in_forearm
 from controllers.arm.types import Joints, Vector
+from controllers.compiled import inlined
 from controllers.singularity.two_link import TipFrame, two_link_frame, two_link_parts
 
 
@@ -31,6 +32,7 @@ class Scale(NamedTuple):
     per_elbow: float
 
 
+@inlined
 def elbow_frame(arm: Dimensions, q2: float, q3: float) -> TipFrame:
     """Return the arm's radial direction and what moving along it costs; see `two_link_frame`.
 
@@ -41,6 +43,7 @@ def elbow_frame(arm: Dimensions, q2: float, q3: float) -> TipFrame:
     return two_link_frame(arm.a2, arm.a3, q2, q3 + arm.elbow_angle)
 
 
+@inlined
 def position_rates(arm: Dimensions, q: Joints, v: Vector, scale: Scale) -> Vector:
     """Return the rates of q1, q2, q3 (rad/s) that move the wrist centre with ``b v``.
 
@@ -81,6 +84,7 @@ def position_rates(arm: Dimensions, q: Joints, v: Vector, scale: Scale) -> Vecto
     return b * turn, b * swing + per * stretch, per * bend
 
 
+@inlined
 def wrist_turning(q: Joints, angular: Vector, position: Vector) -> Vector:
     """Return the angular velocity that the wrist's joints have to make, in the axes {W'}.
 
@@ -113,6 +117,7 @@ def wrist_turning(q: Joints, angular: Vector, position: Vector) -> Vector:
     return c4 * x + s4 * y, c4 * y - s4 * x, s23 * x1 + c23 * z1
 
 
+@inlined
 def wrist_rates(arm: Dimensions, q: Joints, turning: Vector) -> Vector:
     """Return the rates of q4, q5, q6 (rad/s) that make a turning given in {W'}.
 
@@ -130,6 +135,7 @@ def wrist_rates(arm: Dimensions, q: Joints, turning: Vector) -> Vector:
     return turning[2] - math.cos(q[4]) * q6, arm.wrist_sign * turning[1], q6
 
 
+@inlined
 def joint_rates(
     arm: Dimensions, q: Joints, linear: Vector, angular: Vector, scale: Scale
 ) -> Joints:
@@ -158,7 +164,7 @@ def joint_rates(
     x = c23 * axis[0] + s23 * axis[2]
     ax, ay, az = c1 * x - s1 * axis[1], s1 * x + c1 * axis[1], c23 * axis[2] - s23 * axis[0]
     lever = arm.d6 * (scale.angular / scale.linear if scale.linear != 0.0 else 0.0)
-    wx, wy, wz = angular
+    wx, wy, wz = angular[0], angular[1], angular[2]
     v = (
         linear[0] - lever * (wy * az - wz * ay),
         linear[1] - lever * (wz * ax - wx * az),

@@ -95,6 +95,9 @@ class EscPaper(ArmLaw[EscPaperSettings]):
     Settings = EscPaperSettings
     name = "esc-paper"
     promises = Promises(path=True)
+    _passed: Trajectory | None = None
+    _slow: Slowing
+    """Of the line that was gone last, which `reset` begins anew."""
 
     def promised(self, trajectory: Trajectory) -> Promises:
         """Return what the law promises on a path: of q3 only while the tool does not turn."""
@@ -128,8 +131,9 @@ class EscPaper(ArmLaw[EscPaperSettings]):
                 f"hand would go against its command; start with q3 > 0, or take the law esc."
             )
         check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, 1.0))
-        slow = self._passing(trajectory, sin_qs)
-        return turn_back(self.arm, trajectory, sin_qs, 1.0, slow, self.period, end)
+        if trajectory is not self._passed:
+            self._slow, self._passed = self._passing(trajectory, sin_qs), trajectory
+        return turn_back(self.arm, trajectory, sin_qs, 1.0, self._slow, self.period, end)
 
     def region(self, trajectory: StraightTrajectory) -> float:
         """Return sin q_s for a line."""
@@ -161,17 +165,13 @@ class EscPaper(ArmLaw[EscPaperSettings]):
         c_s = _chosen(settings.shoulder_region, c_s if shoulder > 1.0 else 0.0)
         s5_s = _chosen(settings.wrist_region, min(s5_s, _WIDEST) if wrist > 1.0 else 0.0)
 
-        def share(q: Joints, rates: Joints) -> float:
-            del rates
-            c, _, s5 = singularity_indices(arm, q)
-            return pass_scale(c, c_s) * pass_scale(s5, s5_s)
-
-        if share(trajectory.start, AT_REST) < _STALLED:
+        c, _, s5 = singularity_indices(arm, trajectory.start)
+        if pass_scale(c, c_s) * pass_scale(s5, s5_s) < _STALLED:
             raise InfeasibleMotion(
                 "the arm starts at the singularity of its shoulder or its wrist, where the paper's "
                 "|b_s| or |b_w| is 0: it would never move. Start beside it, or take the law esc."
             )
-        return share
+        return Slowing(c_s, s5_s, AT_REST)
 
     def _line(self, trajectory: StraightTrajectory, sin_qs: float, end: MotionEnd) -> Motion:
         """Yield a line past singularities inside the workspace, ``|b|`` for each of them.
@@ -300,17 +300,9 @@ class Esc(ArmLaw[EscSettings]):
 
 
 def within_limits(geometry: ArmGeometry) -> Slowing:
-    """Return a function that tells by how much rates have to be slowed for the limits."""
-    g1, g2, g3, g4, g5, g6 = (1.0 / limit for limit in geometry.rate_limits)
-
-    def slow(_: Joints, rates: Joints) -> float:
-        r1, r2, r3, r4, r5, r6 = rates
-        worst = max(
-            abs(r1) * g1, abs(r2) * g2, abs(r3) * g3, abs(r4) * g4, abs(r5) * g5, abs(r6) * g6
-        )
-        return 1.0 if worst <= 1.0 else 1.0 / worst
-
-    return slow
+    """Return by what all rates are slowed so that none passes its limit."""
+    q1, q2, q3, q4, q5, q6 = (1.0 / limit for limit in geometry.rate_limits)
+    return Slowing(0.0, 0.0, (q1, q2, q3, q4, q5, q6))
 
 
 def _chosen(number: float | None, otherwise: float) -> float:

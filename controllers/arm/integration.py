@@ -5,8 +5,9 @@ from collections.abc import Callable
 
 from controllers.arm.types import Joints
 from controllers.bisection import bisect
+from controllers.compiled import inlined
 
-_ROUNDS = 44
+ROUNDS = 44
 """Halvings of a period, down to the rounding of its end."""
 
 Rates = Callable[[float, Joints], Joints]
@@ -20,11 +21,21 @@ def _step_joints(rates: Rates, t: float, q: Joints, h: float, k1: Joints) -> Joi
     k2 = rates(t + half, moved(q, k1, half))
     k3 = rates(t + half, moved(q, k2, half))
     k4 = rates(t + h, moved(q, k3, h))
+    return combined(q, k1, k2, k3, k4, h)
+
+
+@inlined
+def combined(q: Joints, k1: Joints, k2: Joints, k3: Joints, k4: Joints, h: float) -> Joints:
+    """Return the joints (rad) a step of `h` seconds on, from the rates at its four places."""
     sixth = h / 6.0
-    q1, q2, q3, q4, q5, q6 = (
-        x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(q, k1, k2, k3, k4, strict=True)
+    return (
+        q[0] + sixth * (k1[0] + 2.0 * (k2[0] + k3[0]) + k4[0]),
+        q[1] + sixth * (k1[1] + 2.0 * (k2[1] + k3[1]) + k4[1]),
+        q[2] + sixth * (k1[2] + 2.0 * (k2[2] + k3[2]) + k4[2]),
+        q[3] + sixth * (k1[3] + 2.0 * (k2[3] + k3[3]) + k4[3]),
+        q[4] + sixth * (k1[4] + 2.0 * (k2[4] + k3[4]) + k4[4]),
+        q[5] + sixth * (k1[5] + 2.0 * (k2[5] + k3[5]) + k4[5]),
     )
-    return q1, q2, q3, q4, q5, q6
 
 
 def bisect_period(
@@ -43,7 +54,7 @@ def bisect_period(
     def holds_after(into: float) -> bool:
         return holds(t + into, advance_joints(rates, t, q, into))
 
-    return bisect(holds_after, 0.0, period, _ROUNDS)
+    return bisect(holds_after, 0.0, period, ROUNDS)
 
 
 def advance_joints(
@@ -71,6 +82,7 @@ def advance_joints(
     return q
 
 
+@inlined
 def moved(q: Joints, rate: Joints, h: float) -> Joints:
     """Return the joints (rad) after `h` seconds at constant rates (rad/s)."""
     return (

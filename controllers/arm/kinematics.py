@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.types import Joints, Pose, Vector
+from controllers.compiled import inlined
 
 
 class Dimensions(NamedTuple):
@@ -74,6 +75,7 @@ def dimensions_of(geometry: ArmGeometry) -> Dimensions:
     )
 
 
+@inlined
 def wrist_in_plane(arm: Dimensions, q2: float, q3: float) -> tuple[float, float]:
     """Return the wrist centre in the arm's plane: c from the axis of q1, and z from the shoulder.
 
@@ -88,12 +90,14 @@ def wrist_in_plane(arm: Dimensions, q2: float, q3: float) -> tuple[float, float]
     )
 
 
+@inlined
 def tool_axis_in_forearm(arm: Dimensions, q4: float, q5: float) -> Vector:
     """Return the tool's axis in the axes of the forearm."""
     lean = arm.wrist_sign * math.sin(q5)
     return (lean * math.cos(q4), lean * math.sin(q4), math.cos(q5))
 
 
+@inlined
 def wrist_centre(arm: Dimensions, q: Joints) -> Vector:
     """Return the wrist centre in the base's axes, m."""
     c, z = wrist_in_plane(arm, q[1], q[2])
@@ -101,6 +105,7 @@ def wrist_centre(arm: Dimensions, q: Joints) -> Vector:
     return (c1 * c - s1 * arm.offset, s1 * c + c1 * arm.offset, z + arm.height)
 
 
+@inlined
 def base_from_forearm(q1: float, q23: float, v: Vector) -> Vector:
     """Turn a vector from the forearm's axes into the base's: ``Rz(q1) Ry(q2 + q3) v``."""
     c1, s1, c23, s23 = math.cos(q1), math.sin(q1), math.cos(q23), math.sin(q23)
@@ -108,6 +113,7 @@ def base_from_forearm(q1: float, q23: float, v: Vector) -> Vector:
     return (c1 * x - s1 * v[1], s1 * x + c1 * v[1], c23 * v[2] - s23 * v[0])
 
 
+@inlined
 def forward(arm: Dimensions, q: Joints) -> Pose:
     """Return the tool's pose for the joints (rad).
 

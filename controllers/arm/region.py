@@ -9,8 +9,10 @@ import math
 from controllers.arm.decomposition import Scale
 from controllers.arm.geometry import ArmGeometry
 from controllers.bisection import bisect
+from controllers.compiled import inlined
 
 
+@inlined
 def turn_back_scale(s3: float, sin_qs: float) -> tuple[float, float]:
     """Return b_v and ``b_v / S3`` for the sine of the elbow's angle.
 
@@ -33,6 +35,7 @@ def turn_back_scale(s3: float, sin_qs: float) -> tuple[float, float]:
     return b, b / s3
 
 
+@inlined
 def pass_scale(index: float, half_width: float) -> float:
     """Return ``|b|`` near the shoulder's or the wrist's singularity, which are passed.
 
@@ -46,6 +49,7 @@ def pass_scale(index: float, half_width: float) -> float:
     return abs(b)
 
 
+@inlined
 def elbow_scale(elbow: float, sin_qs: float, side: float) -> Scale:
     """Return the scale of the commanded twist on a motion that starts on one side.
 

@@ -2,22 +2,24 @@
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
 from controllers.arm.dwell import QuinticDwell, RampDwell, integral_exact
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints, bisect_period, moved
-from controllers.arm.kinematics import Dimensions, forward, singularity_indices, wrist_centre
+from controllers.arm.integration import ROUNDS, advance_joints, moved
+from controllers.arm.kinematics import Dimensions, singularity_indices, wrist_centre
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample, inside_boundary
-from controllers.arm.region import elbow_scale, least_rate
+from controllers.arm.region import least_rate
 from controllers.arm.slower import floor
 from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.turn_back_kernel import TurnNumbers, TurnSample, turn_on, turn_sample
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
 from controllers.bisection import bisect
+from controllers.compiled import KernelMemory
 from controllers.motion import InfeasibleMotion, check_length
 
-Slowing = Callable[[Joints, Joints], float]
 _TOUCHING = 1e-6
 _TANGENTIAL = 1e-3
 _A_LITTLE = 1e-3
@@ -153,6 +155,22 @@ def radial_share(arm: Dimensions, q: Joints, direction: Vector) -> float:
     return sine * ahead + cosine * direction[2]
 
 
+class Slowing(NamedTuple):
+    """A factor on all rates beyond that of the elbow's region: a change of time.
+
+    Parameters
+    ----------
+    shoulder, wrist : float
+        Half widths of the regions around these singularities, m and sine of q5; 0: none.
+    per_limit : tuple of float
+        1 over the rate limits that are kept, s/rad; 0: none.
+    """
+
+    shoulder: float
+    wrist: float
+    per_limit: Joints
+
+
 def turn_back(
     arm: Dimensions,
     trajectory: StraightTrajectory,
@@ -174,9 +192,8 @@ def turn_back(
         Half width of the region.
     side : float
         The elbow's, when it starts.
-    slow : callable
-        Takes joints (rad) and rates (rad/s); what the rates are multiplied with beyond the
-        region's scale: a change of time.
+    slow : Slowing
+        Beyond the region's scale.
     period : float
         s.
     end : MotionEnd
@@ -186,55 +203,41 @@ def turn_back(
     ----------
     Miyata et al., eq. (6), (11), (13).
     """
+    origin = trajectory.pose(0.0).position
     linear, angular = trajectory.command
-    offset = arm.elbow_angle
+    numbers = TurnNumbers(
+        *arm, linear, angular, origin, trajectory.direction, sin_qs, side,
+        slow.shoulder, slow.wrist, slow.per_limit,
+    )  # fmt: skip
+    memory = KernelMemory(numbers)
+    at, on = memory.bind(turn_sample), memory.bind(turn_on)
 
-    def sample(q: Joints) -> Sample:
-        scale = elbow_scale(q[2] + offset, sin_qs, side)
-        plain = joint_rates(arm, q, linear, angular, scale)
-        share = slow(q, plain)
-        return Sample(
-            q,
-            plain if share == 1.0 else _times(plain, share),
-            share * scale.linear,
-            share * scale.angular,
-            trajectory.command,
-        )
+    def sample(now: TurnSample) -> Sample:
+        return Sample(now.joints, now.rates, now.linear, now.angular, trajectory.command)
 
-    def rates(_: float, q: Joints) -> Joints:
-        return sample(q).velocities
+    def instant(holds: Callable[[TurnSample], bool]) -> float:
+        """Return how far into the period that begins now a condition stops to hold, s."""
+        low, high = bisect(lambda into: holds(on(*now[:2], into)), 0.0, period, ROUNDS)
+        return 0.5 * (low + high)
 
-    def inside(q: Joints) -> bool:
-        return math.cos(q[2] + offset) > 0.0 and abs(math.sin(q[2] + offset)) <= sin_qs
-
-    def distance(q: Joints) -> float:
-        return trajectory.distance(forward(arm, q).position)
-
-    def instant(holds: Callable[[Joints], bool]) -> float:
-        """Return when a condition stops to hold within the period that begins now."""
-        low, high = bisect_period(rates, t, q, period, lambda _, there: holds(there))
-        return t + 0.5 * (low + high)
-
-    q, t = trajectory.start, 0.0
+    t, now = 0.0, at(trajectory.start)
     borders: list[float] = []
     longest = 20.0 * trajectory.duration
-    now, was_inside = sample(q), inside(q)
-    yield now
+    yield sample(now)
     while t < longest:
-        after = advance_joints(rates, t, q, period, now.velocities)
-        is_inside = inside(after)
-        if is_inside != was_inside:
-            borders.append(instant(inside if was_inside else lambda there: not inside(there)))
-        if distance(after) <= 0.0:
-            left = instant(lambda there: distance(there) > 0.0)
-            last = sample(advance_joints(rates, t, q, left - t))
+        after = on(now.joints, now.rates, period)
+        if after.inside != now.inside:
+            stays = (lambda there: there.inside) if now.inside else (lambda there: not there.inside)
+            borders.append(t + instant(stays))
+        if after.distance <= 0.0:
+            into = instant(lambda there: there.distance > 0.0)
+            last = sample(on(now.joints, now.rates, into))
             yield last._replace(velocities=AT_REST, linear=0.0, angular=0.0)
-            end.duration = left
+            end.duration = t + into
             end.marks = {"region": tuple(borders)}
             return
-        q, t, was_inside = after, t + period, is_inside
-        now = sample(q)
-        yield now
+        now, t = after, t + period
+        yield sample(now)
     end.duration, end.outcome = t, "stalls"
 
 
@@ -351,14 +354,3 @@ def _check_outside(depth: float, region: float) -> None:
             f"the arm starts inside the region: its wrist is {depth:.4f} m from the boundary, the "
             f"region is {region:.4f} m deep."
         )
-
-
-def _times(q: Joints, share: float) -> Joints:
-    return (
-        share * q[0],
-        share * q[1],
-        share * q[2],
-        share * q[3],
-        share * q[4],
-        share * q[5],
-    )
