@@ -140,6 +140,12 @@ def singularity_indices(arm: Dimensions, q: Joints) -> Indices:
 
 def link_points(arm: Dimensions, q: Joints) -> tuple[Vector, Vector, Vector, Vector, Vector]:
     """Return base, shoulder, elbow, wrist centre and tool point, m: the arm as a stick figure."""
+    shoulder, elbow = _upper_arm(arm, q)
+    return (0.0, 0.0, 0.0), shoulder, elbow, wrist_centre(arm, q), forward(arm, q).position
+
+
+def _upper_arm(arm: Dimensions, q: Joints) -> tuple[Vector, Vector]:
+    """Return shoulder and elbow in the base's axes, m."""
     c1, s1 = math.cos(q[0]), math.sin(q[0])
     shoulder = (c1 * arm.a1 - s1 * arm.offset, s1 * arm.a1 + c1 * arm.offset, arm.height)
     out = arm.a2 * math.sin(q[1])
@@ -148,14 +154,14 @@ def link_points(arm: Dimensions, q: Joints) -> tuple[Vector, Vector, Vector, Vec
         shoulder[1] + s1 * out,
         shoulder[2] + arm.a2 * math.cos(q[1]),
     )
-    return (0.0, 0.0, 0.0), shoulder, elbow, wrist_centre(arm, q), forward(arm, q).position
+    return shoulder, elbow
 
 
 def joint_axes(arm: Dimensions, q: Joints) -> tuple[tuple[Vector, Vector], ...]:
     """Return of each joint its axis and a point on it, in the base's axes."""
     q23 = q[1] + q[2]
     wrist = wrist_centre(arm, q)
-    _, shoulder, elbow, _, _ = link_points(arm, q)
+    shoulder, elbow = _upper_arm(arm, q)
     across = (-math.sin(q[0]), math.cos(q[0]), 0.0)
     sign = arm.wrist_sign
     return (
@@ -194,9 +200,14 @@ def jacobian_columns(
     return tuple(columns)
 
 
-def hand_twist(arm: Dimensions, q: Joints, rates: Joints) -> tuple[float, ...]:
-    """Return the hand's velocity (m/s) and angular velocity (rad/s), base axes: ``J q'``."""
-    columns = jacobian_columns(arm, q)
+def hand_twist(
+    arm: Dimensions, q: Joints, rates: Joints, point: Vector | None = None
+) -> tuple[float, ...]:
+    """Return the hand's velocity (m/s) and angular velocity (rad/s), base axes: ``J q'``.
+
+    Who knows the tool point for these joints already, gives it: then it is not computed again.
+    """
+    columns = jacobian_columns(arm, q, point)
     return tuple(
         [
             sum([column[row] * rate for column, rate in zip(columns, rates, strict=True)])

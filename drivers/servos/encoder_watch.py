@@ -79,6 +79,8 @@ class EncoderWatch:
         is_steady = abs(way) >= _STEADY * (self._gone - trail[0][3])
         if is_steady and shown <= -_AGAINST * abs(way):
             return "its encoder is mirrored: the position goes against the motor"
+        if abs(shown) > self._still:  # it has moved, wherever it was in between
+            return None
         positions = [sample[1] for sample in trail]
         if max(positions) - min(positions) <= self._still:
             return "its encoder is frozen: the position does not change while the motor turns"

@@ -158,10 +158,11 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             planned = _NOTHING_PLANNED
         if reference.following:
             self._followed += 1
+        hand = forward(arm, q).position
         return (
             *self.joint_row(state, reference, command, applied),
-            *forward(arm, q).position,
-            *hand_twist(arm, q, state.velocities),
+            *hand,
+            *hand_twist(arm, q, state.velocities, hand),
             *singularity_indices(arm, q),
             *planned,
         )

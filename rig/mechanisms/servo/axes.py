@@ -254,31 +254,30 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied: each joint's range and speed."""
         before = self._applied or command.positions
-        period, joints = self._period, self.joints
+        period, joints, braking = self._period, self.joints, self._braking
         applied, speeds = [], []
-        for k, wanted in enumerate(command.positions):
+        for k, (wanted, was, lower, upper, fastest) in enumerate(
+            zip(command.positions, before, joints.lower, joints.upper, joints.rates, strict=True)
+        ):
             if not math.isfinite(wanted):
                 raise LimitExceeded(
-                    f"commanded position of {joints.names[k]}",
-                    wanted,
-                    joints.lower[k],
-                    joints.upper[k],
-                    "rad",
+                    f"commanded position of {joints.names[k]}", wanted, lower, upper, "rad"
                 )
-            inside = min(max(wanted, joints.lower[k]), joints.upper[k])
-            if inside != wanted:
+            inside = wanted
+            if not lower <= wanted <= upper:
+                inside = min(max(wanted, lower), upper)
                 self._hits["joint range"] += 1
-            speed = (inside - before[k]) / period
-            if self._braking:
-                speed = self._slow_down(speed, self._speeds[k], inside - before[k])
-            fastest = joints.rates[k]
-            if abs(speed) > fastest * (1.0 + 1e-6):
-                self._hits["joint rate"] += 1
-            speed = min(max(speed, -fastest), fastest)
-            position = before[k] + speed * period
-            if self._braking:  # the range comes before a gentle stop
-                position = min(max(position, joints.lower[k]), joints.upper[k])
-                speed = (position - before[k]) / period
+            speed = (inside - was) / period
+            if braking:
+                speed = self._slow_down(speed, self._speeds[k], inside - was)
+            if not -fastest <= speed <= fastest:
+                if abs(speed) > fastest * (1.0 + 1e-6):
+                    self._hits["joint rate"] += 1
+                speed = min(max(speed, -fastest), fastest)
+            position = was + speed * period
+            if braking:  # the range comes before a gentle stop
+                position = min(max(position, lower), upper)
+                speed = (position - was) / period
             speeds.append(speed)
             applied.append(position)
         self._applied, self._speeds = tuple(applied), tuple(speeds)
