@@ -125,10 +125,15 @@ class SerialEnd:
             return os.read(self._master, 1 << 16)
         return b""
 
-    def feed(self, data):
-        """Hand bytes to the host, and wait until they are there: the kernel passes them on."""
+    def put(self, data):
+        """Hand bytes to the kernel, which passes them on."""
         if data:
             os.write(self._master, data)
+
+    def feed(self, data):
+        """Hand bytes to the host, and wait until they are there."""
+        if data:
+            self.put(data)
             while self.reader.in_waiting < len(data):
                 pass
 
@@ -190,11 +195,7 @@ def record_run(monkeypatch, plan, path):
 def our_cycles(monkeypatch, plan, path, recorded):
     """Return the cost of a cycle of ours, fed with what was recorded; it logs the same rows."""
     with rig_on_ends(monkeypatch, plan.profile) as (rig, ends):
-        for name, bus in rig.buses.items():
-            if isinstance(ends[name], HearingPort):
-                end = SerialEnd(bus.settings.baudrate)
-                end.feed(ends[name].waiting)  # the answer to what arming asked for last
-                ends[name], bus._port = end, end.port
+        take_terminals(rig, ends)
         world, rig.clock.world = rig.clock.world, Feeder(ends, recorded.came)
         law = TimedLaw(plan.controller)
         clock = CycleCosts(rig.clock)
@@ -215,6 +216,15 @@ def our_cycles(monkeypatch, plan, path, recorded):
     asking = clock_cost()
     cycle = median(clock.costs[part]) - 2.0 * asking
     return Costs(cycle, median(law.costs[:CYCLES]) - asking)
+
+
+def take_terminals(rig, ends):
+    """Put pseudo-terminals in the place of the emulated serial lines of an armed rig."""
+    for name, bus in rig.buses.items():
+        if isinstance(ends[name], HearingPort):
+            end = SerialEnd(bus.settings.baudrate)
+            end.feed(ends[name].waiting)  # the answer to what arming asked for last
+            ends[name], bus._port = end, end.port
 
 
 class TimedLaw:
