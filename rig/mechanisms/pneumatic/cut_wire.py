@@ -17,9 +17,10 @@ _SEEN = 6e-3
 """From the cut to vented setpoints, s: what the alarms take on the simulated rigs."""
 _LONGEST = 0.5
 """A regulator has vented its chamber by then, s."""
-_MOST_LOOKS = 40
 _NEAR = 1e-2
-"""Of pressures: one that moves less is known, Pa."""
+"""A pressure that moves by less from one look to the next is known, Pa."""
+_FASTEST = 1e6
+"""m/s: what absurd settings come to beyond it is no number that can be reckoned with."""
 _PART = 1.0 / 3.0
 """Share of `moving_mass` that is one piston; as much is what two of them move. E."""
 
@@ -98,7 +99,8 @@ def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
     if fast <= 0.0:
         return high
     was_fast: bool | None = None
-    for _ in range(_MOST_LOOKS):
+    moved = high
+    while moved >= _NEAR:
         middle = high - fast * (high - low) / (fast - slow)
         excess = _excess(settings, wires, middle)
         is_fast = excess > 0.0
@@ -110,13 +112,11 @@ def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
         else:
             low, slow, fast = middle, excess, halved * fast
         was_fast = is_fast
-        if moved < _NEAR:
-            break
     return low
 
 
 def _excess(settings: PneumaticSettings, wires: int, pressure: float) -> float:
-    return compute_whip(settings, wires, pressure).speed - settings.limits.speed
+    return min(compute_whip(settings, wires, pressure).speed, _FASTEST) - settings.limits.speed
 
 
 def compute_damper(settings: PneumaticSettings, pressure: float) -> float:
