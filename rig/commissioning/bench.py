@@ -26,6 +26,7 @@ class StepBench:
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self._period = rig.profile.loop.period
+        self._is_safe = False
         self.each_cycle: Callable[[], None] = _nothing
         # A camera moves nothing, and is read by a mechanism alone.
         entries = rig.profile.devices
@@ -36,8 +37,11 @@ class StepBench:
         """The rig's time, s."""
         return self.rig.clock.now()
 
-    def cycle(self, *, checks: bool = True) -> None:
+    def cycle(self) -> None:
         """Receive, check every device, send this cycle's setpoints, and sleep.
+
+        Once the rig was made safe nobody checks: a joint that is let go may fall, faster than a
+        joint may be.
 
         Raises
         ------
@@ -47,7 +51,7 @@ class StepBench:
         rig, now = self.rig, self.now
         for bus in rig.buses.values():
             bus.receive(now)
-        if checks:
+        if not self._is_safe:
             for device in self._on_buses:
                 device.check(now)
             for bus in rig.buses.values():
@@ -68,6 +72,7 @@ class StepBench:
 
     def make_safe(self) -> None:
         """Take the safe setpoints from the next cycle on."""
+        self._is_safe = True
         self.each_cycle = _nothing
         for device in self.rig.devices.values():
             device.make_safe()

@@ -21,7 +21,17 @@ def commission(rig, on, tmp_path, *options):
     return code, program.talk, yaml.safe_load(kept.read_text()) if kept.exists() else None
 
 
-@pytest.mark.parametrize(("rig", "on", "rate"), [("cylinder", "vcan0", RATE), ("arm", "vcan3", ())])
+@pytest.mark.parametrize(
+    ("rig", "on", "rate"),
+    [
+        ("cylinder", "vcan0", RATE),
+        ("joint", "vcan1,vcan2", RATE),
+        ("arm", "vcan3", ()),
+        ("arm-odrive", "vcan4", ()),
+        ("legs-can", "vcan5,vcan6", ()),
+    ],
+    ids=("cylinder", "joint", "arm", "arm-odrive", "legs-can"),
+)
 def test_a_healthy_rig_passes_every_step(rig, on, rate, tmp_path):
     with simulate(rig, on, *rate) as simulation:
         code, talk, record = commission(rig, on, tmp_path, *rate)

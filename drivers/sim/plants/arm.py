@@ -176,6 +176,7 @@ class ArmPlant:
         low, high = self._model.jnt_range[joint]
         here = self._angles[joint]
         self._data.qpos[joint] = min(max(here + by, min(here, low)), max(here, high))
+        self._data.qvel[joint] = 0.0
         self._angles[joint] = float(self._data.qpos[joint])
 
     # What is recorded -----------------------------------------------------------------

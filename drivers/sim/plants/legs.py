@@ -211,6 +211,7 @@ class LegsPlant:
             self.sensors.press(channel, by)
         else:
             self._angles[CHANNELS.index(channel)] += by
+            self._speeds[:] = 0.0  # hands hold the others
 
     def advance(self, t: float) -> None:
         """Integrate up to `t` (s); what is less than a time step is left for the next call."""

@@ -45,7 +45,7 @@ class RegulatorsAlone(AcceptanceStep):
 
     name = "actuators"
     does = (
-        "Each chamber alone gets 8 to 14 kPa, then more, but never so much that a gauge could go "
+        "Each chamber alone gets 8 to 17 kPa, then more, but never so much that a gauge could go "
         "beyond 20 kPa; you read which gauge moves."
     )
     expects = "Its own gauge and its own monitor show what was asked for; no other one moves."

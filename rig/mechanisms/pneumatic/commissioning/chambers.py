@@ -17,11 +17,11 @@ from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating
 LOWEST: Final = 8e3
 """Setpoint of the first steps, Pa gauge: less than 20 kPa even from a regulator whose scale is
 wrong by a factor of two."""
-LEVELS: Final = (LOWEST, 11e3, 14e3)
+LEVELS: Final = (LOWEST, 11e3, 14e3, 17e3)
 """Setpoints until monitors answer, Pa gauge. A regulator holds some kPa at least and has
 hysteresis, so the first may not move it; one whose scale is twice too large answers there."""
-HIGHER: Final = LEVELS[-1]
-"""The highest of them, Pa gauge."""
+HIGHER: Final = 14e3
+"""What all chambers are asked for in a step from the lowest, Pa gauge."""
 SEEN: Final = 2e3
 """Least rise of a monitor that is one, Pa: well above noise and hysteresis."""
 _MUCH: Final = 0.6
@@ -110,7 +110,7 @@ class Chambers:
         rises = self.climb().rises
         if min(rises) < SEEN:
             channel = self.regulators.channels[rises.index(min(rises))]
-            raise Defect(channel, f"its monitor shows nothing of {HIGHER / 1e3:g} kPa")
+            raise Defect(channel, f"its monitor shows nothing of {LEVELS[-1] / 1e3:g} kPa")
         return rises
 
     def rises(self) -> Vector:

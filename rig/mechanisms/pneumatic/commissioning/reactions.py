@@ -67,7 +67,7 @@ def _energised(site: Site) -> Iterator[Energy]:
 
 REACTING = Reacting(
     _energised,
-    "Every chamber gets 8 to 14 kPa",
+    "Every chamber gets 8 to 17 kPa",
     "the chambers are vented",
     _KEPT,
 )

@@ -26,6 +26,8 @@ _SPEED: Final = radians(1.0)
 """With which an axis is sent anywhere, rad/s."""
 _AWAY: Final = radians(0.5)
 """By how much a motor may turn beside its encoder, rad: twice what coarse velocities err."""
+_SWINGS: Final = 2.0
+"""Until what the step before let go hangs still, s: a simulation in one process begins anew."""
 _AVERAGED: Final = 0.1
 """Over so long positions are averaged, s."""
 
@@ -136,6 +138,8 @@ def energised(site: Site) -> Iterator[Axes]:
     rig = site.make_rig(gentle(site.profile))
     with rig:
         bear(site, rig)
+        if not rig.backend.is_simulated:
+            rig.clock.sleep_until(rig.clock.now() + _SWINGS)
         rig.arm()
         yield _axes_of(rig)
 
