@@ -54,6 +54,10 @@ class ReachedPlant(HandledPlant, AiryPlant):
         """Move what a channel measures a little by hand; see `HandledPlant.pull`."""
         self._ask("pull", channel, by)
 
+    def put_back(self) -> None:
+        """Put all back where it was at first; see `AiryPlant.put_back`."""
+        self._ask("put-back")
+
     def bubbling(self) -> tuple[str, ...]:
         """Return where soap water bubbles; see `AiryPlant.bubbling`."""
         return tuple(self._ask("bubbling"))

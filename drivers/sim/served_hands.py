@@ -112,6 +112,10 @@ class ServedHands:
             return [float(value) for value in plant.truth()]
         if what == "bubbling":
             return plant.bubbling() if isinstance(plant, AiryPlant) else ()
+        if what == "put-back":
+            if isinstance(plant, AiryPlant):
+                plant.put_back()
+            return None
         if what == "pull":
             if not isinstance(plant, HandledPlant):
                 raise ValueError("the simulated plant has nobody who could pull it")

@@ -74,7 +74,11 @@ class HandledPlant(Plant, Protocol):
 
 @runtime_checkable
 class AiryPlant(Plant, Protocol):
-    """A plant whose channels hold air, as an acceptance test has a person look for leaks."""
+    """A plant with rods that air moves, as a person handles it in an acceptance test."""
+
+    @abstractmethod
+    def put_back(self) -> None:
+        """Put all that moves where it was at first, at rest and without energy."""
 
     @abstractmethod
     def bubbling(self) -> tuple[str, ...]:

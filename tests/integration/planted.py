@@ -247,13 +247,15 @@ PLANTED = {
     setpoints_swapped: ("actuators", "setpoint wires swapped"),
     monitors_swapped: ("actuators", "monitor wires swapped"),
     tubes_swapped: ("actuators", "tubes swapped"),
-    setpoint_scale: ("actuators", "wrong scale of its setpoint"),
+    setpoint_scale: ("actuators", "scale of its setpoint"),
     monitor_scale: ("actuators", "wrong scale of its monitor"),
     sticky_valve: ("response", "sticky or slow valve"),
     leaking_fitting: ("leak", "soap water bubbles"),
     rod_stops_short: ("ends", "does not go as far as the profile permits"),
 }
 """Where each defect is found, and by which words."""
+EARLIER = {setpoint_scale: ("supply", "stop-reaction")}
+"""Where it may be found already: regulators as sold let nothing out below some kPa."""
 
 
 def drawn_unit(profile, seed):

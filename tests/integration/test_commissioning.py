@@ -1,7 +1,7 @@
 """The acceptance test: healthy rigs pass, and each planted defect is found where it has to be."""
 
 import pytest
-from planted import PLANTED, drawn_unit, no_dump_valve, rig_with
+from planted import EARLIER, PLANTED, drawn_unit, no_dump_valve, rig_with
 
 from rig.assembly import REGISTRY
 from rig.cli import invoke
@@ -30,7 +30,7 @@ def find(tmp_path, rig, plant, seed):
     step, words = PLANTED[plant]
     stopped, record, seen = perform(tmp_path, unit(rig, seed), plant, seed)
     assert stopped is not None, "nothing was found"
-    assert stopped.startswith(f"{step}: "), stopped
+    assert stopped.split(": ")[0] in (step, *EARLIER.get(plant, ())), stopped
     assert words in stopped
     assert record["digest"] == ""
     bounds = {**ENOUGH, "way": 1.0} if step == "ends" else ENOUGH  # there hands move the rods

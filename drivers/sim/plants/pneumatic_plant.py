@@ -109,6 +109,7 @@ class PneumaticPlant(ABC):
         self._full_scale = feed.full_scale
         self._dt = settings.substep
         self._steps = 0
+        self._first: tuple[Array, ...] = ()
 
         names = (*self.wear, *_OF_CHANNEL)
         of_channels = [f"{c}.{fault}" for c in self.channel_names for fault in names]
@@ -167,6 +168,8 @@ class PneumaticPlant(ABC):
         self._next_noise()
 
     def _run(self, steps: int) -> None:
+        if self._steps == 0:
+            self._first = tuple(array.copy() for array in self._moving())
         self._integrate(steps)
         self._steps += steps
 
@@ -309,6 +312,15 @@ class PneumaticPlant(ABC):
         cell = WIDTH * self.channel_names.index(channel) + EXTENSION
         here, stroke = self._cells[cell], self._common.cylinder.stroke
         self._cells[cell] = min(max(here + by, min(here, 0.0)), max(here, stroke))
+
+    def put_back(self) -> None:
+        """Put rods and what they move where they were at first, vented."""
+        broken = {field: self.channels[field].copy() for field in ("leak", "mode")}
+        for array, first in zip(self._moving(), self._first, strict=True):
+            array[...] = first
+        for field, values in broken.items():
+            self.channels[field] = values
+        self._connect_supply()
 
     def bubbling(self) -> tuple[str, ...]:
         """Return the chambers whose leaks soap water shows now."""

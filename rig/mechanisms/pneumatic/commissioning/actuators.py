@@ -26,7 +26,13 @@ _ENOUGH: Final = 15e3
 _FIRST: Final = (0.25, 1.4)
 """Gauge over setpoint where the monitor first answers: hysteresis and offsets are part of it."""
 _THEN: Final = (0.7, 1.35)
-"""The same at the next level, of which they are a smaller part."""
+"""The same at the highest level, of which they are a smaller part; offsets of a regulator as sold
+come to 6 kPa, so that beyond this its slope has the word, unless it is beyond `_FAR`."""
+_SLOPE: Final = (0.75, 1.3)
+"""Rise of the gauge over that of the setpoint, from the level that was answered to the highest:
+offsets and hysteresis are not in it, what a regulator repeats badly is twice."""
+_FAR: Final = (0.5, 1.6)
+"""What no offset makes of a gauge over its setpoint there."""
 _LOOP: Final = (0.1, 2.4)
 """The same of a loop around a valve, whose least openings are not known yet: what its sensor
 shows is held to the gauge."""
@@ -54,21 +60,24 @@ class RegulatorsAlone(AcceptanceStep):
         """See `AcceptanceStep.perform`."""
         measured: list[MeasuredValue] = []
         has_valves = site.profile.mechanism_settings.valves is not None
-        first, then = (_LOOP, _LOOP) if has_valves else (_FIRST, _THEN)
         with energised(site) as chambers:
             channels = chambers.regulators.channels
         for number, channel in enumerate(channels):
+            first, then = (_LOOP, _LOOP) if has_valves else (_FIRST, _THEN)
             for level in LEVELS:
                 low = _fill(site, number, level)
                 if max(low.rises) >= SEEN:
                     break
             _find_swapped(channels, number, low)
             measured.append(_setpoint_scale(channel, low.gauge, level, first))
-            high = low
-            while level < _ENOUGH and high.gauge < _ENOUGH:
+            high, lowest = low, level
+            while high is low or (level < _ENOUGH and high.gauge < _ENOUGH):
                 level += min(_STEP, (_HIGHEST - high.gauge) / _STEEPEST)
                 high = _fill(site, number, level)
             given, rise = high.gauge - low.gauge, high.rises[number] - low.rises[number]
+            slope = given / (level - lowest)
+            if not has_valves and _SLOPE[0] <= slope <= _SLOPE[1]:
+                then = _FAR
             measured.append(_setpoint_scale(channel, high.gauge, level, then))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
@@ -105,7 +114,11 @@ def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> No
     channel, rises = channels[number], filled.rises
     shown = max(range(len(channels)), key=lambda k: rises[k])
     if rises[shown] < SEEN:
-        raise Defect(channel, "no monitor shows its pressure: setpoint or monitor is not wired")
+        raise Defect(
+            channel,
+            "no monitor shows its pressure: setpoint or monitor is not wired, or the scale of its "
+            "setpoint is much too small",
+        )
     other = channels[shown]
     if shown != number and filled.whose == channel:
         raise Defect(channel, f"monitor wires swapped: the monitor of {other} shows its chamber")

@@ -110,7 +110,11 @@ class Chambers:
         rises = self.climb().rises
         if min(rises) < SEEN:
             channel = self.regulators.channels[rises.index(min(rises))]
-            raise Defect(channel, f"its monitor shows nothing of {LEVELS[-1] / 1e3:g} kPa")
+            raise Defect(
+                channel,
+                f"its monitor shows nothing of {LEVELS[-1] / 1e3:g} kPa: its regulator is stuck, "
+                "or the scale of its setpoint is much too small",
+            )
         return rises
 
     def rises(self) -> Vector:

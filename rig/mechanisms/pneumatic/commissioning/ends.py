@@ -12,7 +12,8 @@ from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.commissioning.steps.ends import Ends, watch_ends
-from rig.hal import DeviceFault, DevicePicker, LinearEncoder
+from rig.hal import AiryPlant, DeviceFault, DevicePicker, LinearEncoder
+from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _NUDGE: Final = 0.2e-3
@@ -45,9 +46,9 @@ class RodsToTheirEnds(AcceptanceStep):
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
         settings = site.profile.mechanism_settings
-        view = REGISTRY.load("mechanism", site.profile.mechanism)
         needed = self._way(settings)
         measured: list[MeasuredValue] = []
+        view = REGISTRY.load("mechanism", site.profile.mechanism)
         for name, channel in view.wiring(settings).items():
             ends, gauged = _gauge(site, name, channel, 2.0 * needed)
             measured.append(
@@ -81,7 +82,7 @@ def _gauge(site: Site, name: str, channel: str, span: float) -> tuple[Ends, floa
     task = Task(
         f"ends.{channel}",
         f"Pull the rod of {channel} out as far as it goes, push it in as far as it goes, and put "
-        "it back; how far is it from end to end by the gauge? e.g. 60 mm",
+        "all back where it was; how far is it from end to end by the gauge? e.g. 60 mm",
         lambda world: f"{hand.nudge(world) * 1e3:.3f} mm",
     )
     rig = site.make_rig(site.profile)
@@ -91,13 +92,24 @@ def _gauge(site: Site, name: str, channel: str, span: float) -> tuple[Ends, floa
         bench.run(0.05)
         encoder = DevicePicker("commissioning", rig.devices)("encoder", name, LinearEncoder)
         try:
-            read = partial(_extension, encoder)
-            ends = watch_ends(site, bench, task, hand, read, span)
+            ends = watch_ends(site, bench, task, hand, partial(_extension, encoder), span)
         except DeviceFault as fault:
             raise Defect(
                 name, f"range: its reading is not good from end to end of {channel}; {fault}"
             ) from fault
+        world = site.world_of(rig)
+        if world is not None:  # what wires have dragged along, too
+            site.operator.do(_PUT_BACK, world)
     return ends, parse_reading(site.operator.answer(task), "m")
+
+
+def _put_back(world: BreakableWorld) -> str:
+    if isinstance(world.plant, AiryPlant):
+        world.plant.put_back()
+    return "done"
+
+
+_PUT_BACK: Final = Task("ends.back", "Put all back where it was.", _put_back)
 
 
 def _extension(encoder: LinearEncoder) -> float:

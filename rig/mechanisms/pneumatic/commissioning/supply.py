@@ -36,7 +36,8 @@ class SupplyAndDump(AcceptanceStep):
                 require(
                     rise > SEEN, channel,
                     f"its pressure does not rise with the supply open ({rise / 1e3:.1f} kPa of "
-                    f"{LEVELS[-1] / 1e3:g}): the supply does not open, or its regulator is stuck",
+                    f"{LEVELS[-1] / 1e3:g}): the supply does not open, its regulator is stuck, or "
+                    "the scale of its setpoint is much too small",
                 )  # fmt: skip
             regulators.shut_supply(True)
             start, fallen = bench.now, chambers.have_fallen(0.5, rises)
