@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import NamedTuple, Protocol, cast
 
-from rig.assembly.buses import is_can
+from rig.assembly.buses import is_can, make_bus
 from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Rig
@@ -53,10 +53,10 @@ class _CanMaster(Protocol):
     def open_interface(self) -> FastCanBus: ...
 
 
-def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
-    """Ask all CAN buses of a profile who is there; nothing is changed on them.
-
-    A serial line is asked by its own bus alone; see `survey_rig`.
+def survey_buses(
+    profile: Profile, interfaces: Interfaces, names: Sequence[str] | None = None
+) -> list[Answer]:
+    """Ask the buses of a profile who is there; nothing is changed on them.
 
     Parameters
     ----------
@@ -64,6 +64,8 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
         Checked.
     interfaces : mapping
         Settings that replace a bus's own, by its name; those that are missing are the profile's.
+    names : sequence of str, optional
+        The buses that are asked; default: those on CAN.
 
     Raises
     ------
@@ -74,15 +76,18 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     """
     from drivers.can import open_bus
 
-    def opened(name: str) -> FastCanBus:
-        settings = profile.buses[name].settings
-        return open_bus(dataclasses.replace(settings, **interfaces.get(name, {})))
+    clock = MonotonicClock()
 
     def lend(name: str) -> AbstractContextManager[object]:
-        return _interface(lambda: opened(name))
+        entry, on = profile.buses[name], interfaces.get(name, {})
+        if is_can(entry):
+            return _interface(lambda: open_bus(dataclasses.replace(entry.settings, **on)))
+        return _line(make_bus(name, entry, clock, profile.loop.period, on))
 
-    interfaces_alone = [name for name, entry in profile.buses.items() if is_can(entry)]
-    return _survey(profile, interfaces_alone, lend, MonotonicClock())
+    def is_asked(name: str) -> bool:
+        return is_can(profile.buses[name]) if names is None else name in names
+
+    return _survey(profile, [name for name in profile.buses if is_asked(name)], lend, clock)
 
 
 def survey_rig(rig: Rig) -> list[Answer]:

@@ -28,7 +28,9 @@ _KINDS = ("experiment", "rig", *_PACKAGES)
 @click.option("--urdf", metavar="FILE", help="Of a rig: the arm that a URDF describes.")
 @click.option("--dh", metavar="FILE", help="Of a rig: the arm of Denavit-Hartenberg parameters.")
 @click.option(
-    "--scan", metavar="INTERFACES", help="Of a rig: with the devices that answer there, e.g. can0."
+    "--scan",
+    metavar="INTERFACES",
+    help="Of a rig: with what answers there, e.g. can0 or /dev/ttyUSB0.",
 )
 @click.option("--tip", metavar="LINK", help="With --urdf: the link that is the tool.")
 @configs_option
@@ -51,7 +53,8 @@ def new(
     once; what another package has needs no change of this program. A rig from --urdf or --dh has
     the dimensions, ranges and speeds of a six-joint arm with a spherical wrist; what else it is
     made of is refused with the reason. A rig from --scan has the node numbers and identities of
-    whoever answers, for the devices of --like; nothing is changed on the buses.
+    whoever answers, for the devices of --like, on CAN and on serial chains, and this computer's
+    cameras; who is like none of them is written as comments. Nothing is changed on the buses.
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError

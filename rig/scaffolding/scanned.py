@@ -10,17 +10,21 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.assembly import check_profile, parse_interfaces
+from rig.assembly.buses import is_can
 from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
 from rig.assembly.survey import expected_on, survey_buses
 from rig.config import Profile, load_profile
-from rig.hal import Address, DeviceError
+from rig.hal import Address, ConfigurationError, DeviceError
 from rig.hal.drawn_profile import DrawnProfile
 from rig.hal.frames import Found
 from rig.scaffolding.files import commented_lines
+from rig.scaffolding.seen_cameras import SeenCamera, seen_cameras
 
 _NUMBERS: Final = ("node", "axis", "id")
 """Keys by which drivers call the number of what is on a bus."""
+_DRIVERS: Final = {401: "cia401", 402: "cia402", 406: "cia406", 410: "cia410"}
+"""Drivers of CiA device profiles."""
 _IDENTITY: Final = ("vendor", "product")
 
 
@@ -69,8 +73,8 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
     name, like : str
         Its name, and that of the rig whose devices it has.
     on : str
-        Interfaces, see `rig.assembly.on_interfaces.parse_interfaces`; ``hardware``: those that
-        the other rig names.
+        Interfaces, see `rig.assembly.on_interfaces.parse_interfaces`, and ports of serial lines,
+        as ``/dev/ttyUSB0``; ``hardware``: those that the other rig names.
     search : sequence of Path
         Folders of configurations.
 
@@ -85,8 +89,8 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
     """
     profile = load_profile(like, REGISTRY, search=search)
     check_profile(profile)
-    interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
-    answers = survey_buses(profile, interfaces)
+    interfaces = _interfaces_of(on, profile)
+    answers = survey_buses(profile, interfaces, list(interfaces))
     found = {bus: [a.found for a in answers if a.bus == bus and a.found] for bus in profile.buses}
     if not any(found.values()):
         raise DeviceError(on, "nobody answers there: look at power, cable, termination, bit rate")
@@ -106,9 +110,28 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
         "description: What it is, in one sentence",
         "",
         *_bus_lines(interfaces),
+        "devices:",
         *_device_lines(profile, who),
+        *_camera_lines(profile, seen_cameras()),
+        *(line for bus, matched in who.items() for line in _stranger_lines(bus, matched.others)),
     ]
     return DrawnProfile("\n".join(lines) + "\n\n" + commented_lines(name, like, search), notes)
+
+
+def _interfaces_of(on: str, profile: Profile) -> Interfaces:
+    """Return the settings of the buses that are to be asked."""
+    if on == "hardware":
+        return {name: {} for name in profile.buses}
+    words = [word.strip() for word in on.split(",")]
+    ports = [word for word in words if word.startswith("/")]
+    lines = [name for name, entry in profile.buses.items() if not is_can(entry)]
+    if len(ports) > len(lines):
+        raise ConfigurationError(
+            f"--scan {on}: {len(ports)} serial ports, and {profile.name} has {len(lines)} lines"
+        )
+    others = [word for word in words if word not in ports]
+    on_can = parse_interfaces(",".join(others), profile) if others else {}
+    return {**{line: {"port": port} for line, port in zip(lines, ports, strict=False)}, **on_can}
 
 
 def _notes(bus: str, matched: Matched) -> list[str]:
@@ -123,15 +146,16 @@ def _notes(bus: str, matched: Matched) -> list[str]:
 
 
 def _bus_lines(interfaces: Interfaces) -> list[str]:
-    lines = ["buses:"] if interfaces else []
-    for bus, settings in interfaces.items():
+    told = {bus: settings for bus, settings in interfaces.items() if settings}
+    lines = ["buses:"] if told else []
+    for bus, settings in told.items():
         said = ", ".join(f"{key}: {value}" for key, value in settings.items())
         lines.append(f"  {bus}: {{{said}}}")
     return [*lines, ""] if lines else []
 
 
 def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
-    lines = ["devices:"]
+    lines: list[str] = []
     for name, entry in profile.devices.items():
         matched = who[entry.bus].devices if entry.bus in who else {}
         joints = getattr(entry.settings, "joints", {})
@@ -149,7 +173,7 @@ def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
                     lines.append("    joints:")
                 lines.append(f"      {joint}:")
             lines += [f"{pad}{line}" for line in _said(settings, item, alone=joint is None)]
-    return lines if len(lines) > 1 else []
+    return lines
 
 
 def _said(settings: object, item: Found, *, alone: bool) -> list[str]:
@@ -165,3 +189,41 @@ def _said(settings: object, item: Found, *, alone: bool) -> list[str]:
     if item.serials and item.serials[0] and (alone or hasattr(settings, "serial")):
         lines.append(f"serial: 0x{item.serials[0]:X}")
     return lines
+
+
+def _stranger_lines(bus: str, strangers: Sequence[Found]) -> list[str]:
+    """Return comments that make a device of whoever is like nothing of the profile."""
+    lines: list[str] = []
+    for item in strangers:
+        driver = _DRIVERS.get(item.profile or 0, "")
+        lines += [
+            f"  # Node 0x{item.node:02X} of {bus} says: {item.kind or 'nothing of itself'}. If it "
+            "belongs to the rig:",
+            f"  # device-{item.node:02x}:",
+            f"  #   driver: {driver}" if driver else
+            "  #   driver: your-driver         # `rig new driver your-driver` begins one",
+            f"  #   bus: {bus}",
+            f"  #   node: 0x{item.node:02X}",
+        ]  # fmt: skip
+        known = [(key, getattr(item, key)) for key in _IDENTITY]
+        lines += [f"  #   {key}: 0x{value:X}" for key, value in known if value]
+        lines += [f"  #   serial: 0x{serial:X}" for serial in item.serials[:1] if serial]
+        if item.profile is not None:
+            lines.append("  #   eds: maker.eds               # its maker's file, which says more")
+    return lines
+
+
+def _camera_lines(profile: Profile, cameras: Sequence[SeenCamera]) -> list[str]:
+    """Return the sources of the profile's cameras, and comments for the others that are there."""
+    wanted = [name for name, entry in profile.devices.items() if _is_camera(entry.settings)]
+    lines: list[str] = []
+    for name, its in zip(wanted, cameras, strict=False):
+        lines += [f"  {name}:", f"    source: {{kind: uvc, path: {its.path}}}   # {its.name}"]
+    for its in cameras[len(wanted) :]:
+        lines.append(f"  # Another camera, {its.name}: {{kind: uvc, path: {its.path}}}")
+    lines += [f"  # {name}: this computer shows no camera" for name in wanted[len(cameras) :]]
+    return lines
+
+
+def _is_camera(settings: object) -> bool:
+    return getattr(getattr(settings, "source", None), "kind", "") == "uvc"

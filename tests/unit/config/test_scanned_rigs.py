@@ -4,10 +4,14 @@ import random
 from collections import Counter
 
 import pytest
+import yaml
 
+from rig.assembly import REGISTRY
+from rig.config import find_configs, load_profile
 from rig.hal import Address
 from rig.hal.frames import Found
-from rig.scaffolding.scanned import match
+from rig.scaffolding.scanned import _camera_lines, _stranger_lines, match
+from rig.scaffolding.seen_cameras import SeenCamera, seen_cameras
 
 KINDS = (401, 406, 402, None)
 
@@ -64,3 +68,40 @@ def test_every_device_that_can_be_one_is_one_and_nothing_is_lost(seed):
 def test_a_device_of_no_kind_is_whatever_answers():
     axis = Address("drives.q1", 3)
     assert match([axis], [Found(7, kind="ODrive")]).devices["drives.q1"].node == 7
+
+
+def test_a_stranger_becomes_a_device_in_comments():
+    item = Found(0x26, "CiA 410 (0x0002019A)", 410, vendor=0x12, product=0x34, serials=(7,))
+    lines = _stranger_lines("can0", [item, Found(0x27)])
+    assert all(line.startswith("  # ") for line in lines)
+    read = yaml.safe_load("\n".join(line.removeprefix("  # ") for line in lines[1:8]))
+    assert read == {
+        "device-26": {
+            "driver": "cia410", "bus": "can0", "node": 0x26, "vendor": 0x12, "product": 0x34,
+            "serial": 7,
+        }
+    }  # fmt: skip
+    assert any("rig new driver" in line for line in lines[8:])
+
+
+def test_cameras_are_found_by_names_that_stay(tmp_path):
+    for node, name, index in (("video10", "Late", 0), ("video0", "Stereo", 0), ("video1", "", 1)):
+        folder = tmp_path / "sys/class/video4linux" / node
+        folder.mkdir(parents=True)
+        (folder / "name").write_text(f"{name}\n")
+        (folder / "index").write_text(f"{index}\n")
+    named = tmp_path / "dev/v4l/by-id"
+    named.mkdir(parents=True)
+    (tmp_path / "dev/video10").touch()
+    (named / "usb-Late-index0").symlink_to("../../video10")
+    assert seen_cameras(tmp_path) == [
+        SeenCamera("/dev/video0", "Stereo"),
+        SeenCamera("/dev/v4l/by-id/usb-Late-index0", "Late"),
+    ]
+    joint = load_profile("joint", REGISTRY, (), find_configs(None))
+    lines = _camera_lines(joint, seen_cameras(tmp_path))
+    assert yaml.safe_load("\n".join(lines)) == {
+        "camera": {"source": {"kind": "uvc", "path": "/dev/video0"}}
+    }
+    assert "Late" in lines[-1]
+    assert lines[-1].startswith("  # ")
