@@ -22,9 +22,9 @@ FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
 path by less than 1e-9 m."""
 _COARSEST = 200
-_SHORTEST = 1e-12
-"""Share of the path below which a step is not divided any more: past two near misses at once the
-joints swing within a billionth of it. An instant is known to 1e-16 of it."""
+_SHORTEST = 1e-13
+"""Share of the path below which a step is not divided any more: past two near misses at once, of
+some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
 _UNDECIDED = 1e-7
 """A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
 

@@ -26,6 +26,9 @@ _A_LITTLE = 1e-3
 """s."""
 _SLOWEST = 1e-6
 """Share of a line's speed below which no region is looked for."""
+_ROUNDED = 0.995
+"""Share of two speeds that are said in four digits each: a line that is given by where it touches
+starts elsewhere if their ratio is another."""
 _AT_REST = 1e-6
 """rad/s."""
 
@@ -101,6 +104,8 @@ def _no_faster(
     if not fits(_SLOWEST):
         return ""
     share, _ = bisect(fits, _SLOWEST, 1.0)
+    if trajectory.turn_rate:
+        share *= _ROUNDED
     words = f", or the hand be no faster than {floor(share * trajectory.speed):g} m/s"
     if trajectory.turn_rate:
         words += f" and turn no faster than {floor(share * trajectory.turn_rate):g} rad/s"

@@ -237,6 +237,8 @@ def main():
             worst[told] = max(worst[told], value)
         for name, end in others.items():
             rivals[name][end] += 1
+        if others:  # the planner that refuses what the plain inverse cannot do at the speed given
+            rivals["refusing"]["done" if others["inverse"] == "done" else "refused"] += 1
     lines = [f"{kind:22} {dict(counts)}" for kind, counts in (outcomes | rivals).items()]
     lines += [f"{name:22} {value:.6g}" for name, value in worst.items()]
     sys.stdout.write("\n".join(lines) + "\n")

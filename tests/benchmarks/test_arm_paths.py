@@ -19,3 +19,8 @@ def check(seeds):
 @pytest.mark.slow
 def test_a_path_of_each_kind():
     check(range(len(arm_paths.KINDS)))
+
+
+@pytest.mark.slow
+def test_paths_with_two_near_misses_at_once_or_near_the_boundary():
+    check((58, 115, 131, 148))
