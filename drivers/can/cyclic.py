@@ -20,8 +20,6 @@ from rig.hal import Clock, ConnectionFailed, FastCanBus
 Handler = Callable[[bytes, float], None]
 
 _PUMP_PERIOD: Final = 0.5e-3  # how often configuration looks for an answer, s
-_UNDER_WAY: Final = 20e-3
-"""For so long whoever opens an interface may hear what this program sent before it closed it, s."""
 _STILL_WAITING: Final = OSError(errno.ENOBUFS, "the frames of the last cycle still wait")
 
 
@@ -171,8 +169,6 @@ class CyclicCanBus(ABC):
         ConnectionFailed
             Somebody sends what only this program is to send.
         """
-        self.wait_until(lambda: False, _UNDER_WAY)
-        self._another = None
         if self.wait_until(lambda: self._another is not None, duration):
             raise ConnectionFailed(
                 self.name,

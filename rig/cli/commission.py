@@ -24,13 +24,15 @@ from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
-    from rig.assembly import Backend
+    from rig.assembly import Backend, Rig
     from rig.commissioning.operator import Operator
     from rig.commissioning.step import AcceptanceStep
     from rig.config import Profile
     from rig.hal.world import BreakableWorld
 
 EXIT_FAILED = 3
+_UNDER_WAY = 20e-3
+"""For so long frames may be under way, s."""
 
 
 @click.command()
@@ -84,7 +86,7 @@ def commission(rig: str, **options: Any) -> int:
     other = None if on in list(Backend) else on
     hands = _hands(profile, backend, other)
     site = Site(
-        profile, lambda its: build_rig(its, backend, other),
+        profile, lambda its: _rested(build_rig(its, backend, other)),
         _operator(backend.is_simulated or hands is not None, options["answers"]),
         options["out"], other, hands,
     )  # fmt: skip
@@ -133,6 +135,17 @@ def _operator(is_simulated: bool, answers: Path | None) -> Operator:
             raise ConfigurationError("there is no terminal to ask: give --answers FILE")
         hands = Person(lambda text: click.echo(f"  >>> {text}", err=True), click.prompt)
     return hands if answers is None else WrittenAnswers(read_answers(answers), hands)
+
+
+def _rested(rig: Rig) -> Rig:
+    """Return a rig whose interfaces are silent again.
+
+    What the step before sent last may be under way when its interface is closed; whoever opens it
+    next would take it for another master's.
+    """
+    if not rig.backend.is_simulated:
+        rig.clock.sleep_until(rig.clock.now() + _UNDER_WAY)
+    return rig
 
 
 def _show(profile: Profile, steps: Sequence[AcceptanceStep], *, as_json: bool) -> int:
