@@ -12,7 +12,7 @@ from packaging.utils import canonicalize_name
 OURS = "rig-controller"
 PARTS = {
     "compiled laws and plants": ("numba", "llvmlite"),
-    "numbers and figures": ("numpy", "scipy", "matplotlib", "cma"),
+    "numbers and figures": ("numpy", "scipy", "matplotlib", "filterpy", "cma"),
     "camera of the joint": ("opencv-python-headless",),
     "simulated arm and legs": ("mujoco",),
     "buses, files, command line": (),

@@ -1,8 +1,8 @@
 """Estimators of a position that an encoder measures: velocity, acceleration, disturbance.
 
 They run at their steady gains in plain scalars, about 1 µs a step; a Kalman filter's gains are
-designed once, when a controller is built. They are those of filterpy to the last bit, which the
-tests compare; it is not imported, because that alone takes longer than all else that starts a run.
+designed once, with filterpy, when a controller is built. This is the only module that imports
+filterpy, and it does so on use: the import alone takes a second.
 
 Encoders are read once a cycle, at its end, and used at the start of the next: every filter says
 what it believes *at the time of the reading* and can predict over the known delay.
@@ -15,10 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from controllers.compiled import PlainNumbers
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from filterpy.kalman import KalmanFilter
 
 _MOST_STEPS = 5000
 """Of a filter before it has to have settled; the encoders here take some hundred."""
@@ -87,20 +84,13 @@ def motion_gains(period: float, resolution: float, acceleration_step: float) -> 
 
     Notes
     -----
-    The acceleration's white noise within a period, of variance q = ``acceleration_step²``: 0.03
-    (m/s²)² suits smooth motion, 3 suits stick-slip. Y. Bar-Shalom, "Estimation with applications to
-    tracking and navigation", 2001, 6.3.3.
+    ``Q_discrete_white_noise(3, T, q)``: q of 0.03 (m/s²)² suits smooth motion, 3 suits stick-slip.
     """
-    import numpy as np
+    from filterpy.common import Q_discrete_white_noise
 
-    T = period
-    Q = np.array([
-        [0.25 * T**4, 0.5 * T**3, 0.5 * T**2],
-        [0.5 * T**3, T**2, T],
-        [0.5 * T**2, T, 1.0],
-    ])  # fmt: skip
-    F = _constant_third_state(T, (0.5 * T * T, T))
-    return Gains(*_settled_gains(F, Q * acceleration_step**2, resolution * resolution / 12.0))
+    kalman = _constant_gain_filter(period, resolution, (0.5 * period * period, period))
+    kalman.Q = Q_discrete_white_noise(3, period, var=acceleration_step**2)
+    return Gains(*_settled_gains(kalman))
 
 
 @lru_cache(maxsize=32)
@@ -135,10 +125,10 @@ def disturbance_gains(
     import numpy as np
 
     push = np.array([[0.5 * period * period / mass], [period / mass], [0.0]])
-    Q = push @ push.T * force_noise**2
-    Q[2, 2] = disturbance_rate**2 * period
-    F = _constant_third_state(period, (push[0, 0], push[1, 0]))
-    return Gains(*_settled_gains(F, Q, resolution * resolution / 12.0))
+    kalman = _constant_gain_filter(period, resolution, (push[0, 0], push[1, 0]))
+    kalman.Q = push @ push.T * force_noise**2
+    kalman.Q[2, 2] = disturbance_rate**2 * period
+    return Gains(*_settled_gains(kalman))
 
 
 def observer_gains(bandwidth: float, mass: float, period: float) -> Gains:
@@ -181,42 +171,40 @@ def bias_gains(period: float, noise: float, rate_step: float) -> tuple[float, fl
         Gain on the bias (1) and on its rate, 1/s.
     """
     import numpy as np
+    from filterpy.common import Q_discrete_white_noise
+    from filterpy.kalman import KalmanFilter
 
-    T = period
-    Q = np.array([[0.25 * T**4, 0.5 * T**3], [0.5 * T**3, T**2]]) * rate_step**2
-    bias, rate = _settled_gains(np.array([[1.0, T], [0.0, 1.0]]), Q, noise * noise)
-    return bias, rate
+    kalman = KalmanFilter(dim_x=2, dim_z=1)
+    kalman.F = np.array([[1.0, period], [0.0, 1.0]])
+    kalman.H = np.array([[1.0, 0.0]])
+    kalman.R = np.array([[noise * noise]])
+    kalman.Q = Q_discrete_white_noise(2, period, var=rate_step**2)
+    gains = _settled_gains(kalman)
+    return gains[0], gains[1]
 
 
-def _constant_third_state(period: float, moves: tuple[float, float]) -> "Array":
-    """Return the transition in which a constant third state moves position and velocity."""
+def _constant_gain_filter(
+    period: float, resolution: float, third: tuple[float, float]
+) -> "KalmanFilter":
+    """Return a filterpy filter whose third state moves position and velocity by `third`."""
     import numpy as np
+    from filterpy.kalman import KalmanFilter
 
-    return np.array([[1.0, period, moves[0]], [0.0, 1.0, moves[1]], [0.0, 0.0, 1.0]])
+    kalman = KalmanFilter(dim_x=3, dim_z=1)
+    kalman.F = np.array([[1.0, period, third[0]], [0.0, 1.0, third[1]], [0.0, 0.0, 1.0]])
+    kalman.H = np.array([[1.0, 0.0, 0.0]])
+    kalman.R = np.array([[resolution * resolution / 12.0]])
+    return kalman
 
 
-def _settled_gains(F: "Array", Q: "Array", R: float) -> tuple[float, ...]:
-    """Step the covariance of a Kalman filter until its gains stand still.
-
-    Parameters
-    ----------
-    F, Q : ndarray
-        Transition and process noise, shape (n, n); the first state is measured.
-    R : float
-        Variance of a measurement.
-    """
-    import numpy as np
-
-    H, identity = np.eye(1, len(F)), np.eye(len(F))
-    P = Q * 1e3
-    before = (0.0,) * len(F)
+def _settled_gains(kalman: "KalmanFilter") -> tuple[float, ...]:
+    """Step the filter's covariance until its gains stand still."""
+    kalman.P = kalman.Q * 1e3
+    before = (0.0,) * kalman.dim_x
     for _ in range(_MOST_STEPS):
-        P = F @ P @ F.T + Q
-        PHT = P @ H.T
-        K = PHT @ (1.0 / (H @ PHT + R))
-        # Joseph's form: it stays symmetric and positive, whatever is rounded.
-        P = (identity - K @ H) @ P @ (identity - K @ H).T + R * K @ K.T
-        gains = tuple(float(value) for value in K[:, 0])
+        kalman.predict()
+        kalman.update(0.0)
+        gains = tuple(float(value) for value in kalman.K[:, 0])
         if all(abs(new - old) <= 1e-9 * abs(new) for new, old in zip(gains, before, strict=True)):
             return gains
         before = gains

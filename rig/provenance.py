@@ -15,6 +15,7 @@ from typing import TypedDict
 PACKAGES = (
     "rig-controller",
     "canopen",
+    "filterpy",
     "matplotlib",
     "mcap",
     "mujoco",
