@@ -9,6 +9,8 @@ from functools import partial
 
 from rig.faults.excuses import (
     ON_A_WIRE,
+    TUBE,
+    empties_at_once,
     falls,
     fills_alone,
     has_valves,
@@ -189,8 +191,6 @@ def _is_closed_over(sizes: Sizes, subject: Subject) -> Must:
 
 _REGULATOR_OFF = 60e3
 """Pa: shows at once, whatever pressures are about to do; less shows while they rest."""
-_TUBE = 1.5e-8
-"""m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
 MOMENT = Magnitudes(1e-3, 1.0, "s")
 _CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
@@ -217,10 +217,12 @@ PNEUMATIC = (
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    of_device("leak", "The tube of a chamber is off.", is_felt(_TUBE), 0.3,
+    of_device("leak", "The tube of a chamber is off.", is_felt(TUBE), UNTIL_MOVED,
                magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
                why="less than 1.5e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
-               "stay where they do when nothing leaks"),
+               "stay where they do when nothing leaks; a wider one empties the chamber before "
+               "its opponents can be; a monitor at the other end of the tube shows nothing of it, "
+               "and while nothing moves, nobody can tell", excuses=empties_at_once),
     of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
               forgives=ALONE),
     of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,

@@ -364,6 +364,9 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
             It names the controller and what it asks for.
         """
 
+    def check_still(self, home: Reference) -> None:
+        """Raise `SafetyError` if the rig leaves `home` while it is energised: see `check`."""
+
     @abstractmethod
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied; the one choke point."""

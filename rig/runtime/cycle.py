@@ -143,7 +143,10 @@ class Cycle(Generic[State, Reference, Command]):
         mechanism = self._mechanism
         if self.fault is None:
             run = self._run
-            run.reference, run.command = reference, command = run.step(t, state, stops)
+            try:
+                run.reference, run.command = reference, command = run.step(t, state, stops)
+            except LimitExceeded as error:  # what does not follow may have a cause that shows
+                raise mechanism.explain(error, state) from error
             return reference, command, mechanism.limit(command)
         command = mechanism.released_command()  # what is about to be sent
         return mechanism.reference_of(state), command, command

@@ -136,6 +136,7 @@ class Phases(Generic[State, Reference, Command]):
         if self.phase is _STOP:
             return self._stop(t, state)
         if t < energise:
+            mechanism.check_still(self._home)
             share = t / energise
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
             return self._home, command

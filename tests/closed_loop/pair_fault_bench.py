@@ -80,7 +80,7 @@ FAULTS = {
     "supply-lost": supply,
     "wire-cut": by_channel("wire_cut", "the wire of {} is slack or cut"),
     "narrow-tube-off": on_plant("leak", 1.5e-8, 2e-8),
-    "small-leak": on_plant("leak", 1e-9, 1.5e-8),
+    "small-leak": on_plant("leak", 1e-10, 2e-9),
 }
 
 

@@ -33,7 +33,7 @@ def unwatched(mechanism):
     )
 
 
-REAL = ("plant={model: antagonistic-pair-real, seals: standard}", *unwatched("cylinder"))
+REAL = ("plant={model: antagonistic-pair, seals: standard}", *unwatched("cylinder"))
 REAL_JOINT = ("plant={model: spherical-joint-real, seals: standard}", *unwatched("joint"))
 QUIET_PAIR = ("controller=pid", f"controllers.pid={QUIET}")
 QUIET_JOINT = ("controller=pid", f"controllers.pid.pair={QUIET}")
@@ -100,7 +100,7 @@ def sine(rng, tones=1):
 def test_a_pair_says_what_air_it_takes(tmp_path, fed, what, least, most, seed):
     rng = np.random.default_rng([10, seed])
     options = (sine(rng, 2), f"simulation.seed={rng.integers(1000)}", *what)
-    assert least < told_over_true(tmp_path, fed, "cylinder-sine", options) < most
+    assert least < told_over_true(tmp_path, fed, "cylinder-ideal-sine", options) < most
 
 
 def test_a_pair_of_other_cylinders_says_what_air_it_takes(tmp_path, fed):
@@ -114,7 +114,7 @@ def test_a_pair_of_other_cylinders_says_what_air_it_takes(tmp_path, fed):
         f"dead_volume: {dead} cm^3}}",
         dead_volume("cylinder", dead),
     )
-    assert 0.98 < told_over_true(tmp_path, fed, "cylinder-sine", options) < 1.02
+    assert 0.98 < told_over_true(tmp_path, fed, "cylinder-ideal-sine", options) < 1.02
 
 
 @pytest.mark.slow

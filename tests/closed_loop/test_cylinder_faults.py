@@ -15,9 +15,9 @@ HALF_PERIOD = 1.0
 """Within this time of the sine each chamber's setpoint has moved both ways, s: a regulator that is
 stuck or slow does as it should until then."""
 WITHIN = {
-    "tube-off": 0.05,
-    "narrow-tube-off": 0.2,  # its mean, over 0.1 s, ends little beyond the bound; it harms nobody
-    "slow": HALF_PERIOD,
+    "tube-off": 0.15,  # the monitor, at the other end of the tube, shows nothing of it
+    "narrow-tube-off": 0.2,
+    "slow": 2.0 * HALF_PERIOD,  # one of a bit more than half of the speed, while the pair sticks
     "monitor-off": 0.15,
     "stuck-held": HALF_PERIOD,
     "stuck-at": 0.2,
@@ -33,14 +33,16 @@ WITHIN = {
 EXPERIMENTS = (
     "cylinder-friction",
     "cylinder-sine",
-    "cylinder-sine-low-speed",
     "cylinder-staircase",
-    "cylinder-staircase-low-speed",
     "cylinder-step",
+    "cylinder-ideal-sine",
+    "cylinder-sine-low-speed",
+    "cylinder-ideal-staircase",
+    "cylinder-staircase-low-speed",
+    "cylinder-ideal-step",
 )
-UNWATCHED = ("cylinder.alarms.pressure={deviation: 499 kPa, offset: 499 kPa, slow: 99}",)
-MADE_UP_FOR = 2e-3
-"""m, a tenth of the permitted way; 0.7 mm in a run in which nothing leaks."""
+MADE_UP_FOR = 1e-3
+"""m more than in a run in which nothing leaks."""
 UNCALIBRATED = (
     "simulation.perturbation={setpoint_gain: 0.02, setpoint_offset: 3 kPa, monitor_gain: 0.01, "
     "monitor_offset: 2 kPa, encoder_scale: 0.01, encoder_offset: 0.5 mm, wire_offset: 0.5 mm, "
@@ -69,23 +71,30 @@ def test_a_fault_names_its_channel_over_the_bus(tmp_path, kind, seed):
     assert_named(tmp_path, Backend.VIRTUAL, kind, seed)
 
 
-def assert_made_up_for(tmp_path, seed):
-    fault = drawn("small-leak", seed)
-    result, _ = run(tmp_path, Backend.SIM, fault, seed, UNWATCHED)
+def strayed(tmp_path, fault, seed):
+    result, _ = run(tmp_path, Backend.SIM, fault, seed)
     assert (result.exit_code, result.message) == (0, None), fault
     log = read_log(RunFolder.open(result.path).log_path)
-    far = np.abs(log.column("truth.position") - log.column("reference.position"))
-    assert far.max() < MADE_UP_FOR, fault
+    return np.abs(log.column("truth.position") - log.column("reference.position")).max()
 
 
-def test_a_regulator_makes_up_for_a_leak_that_is_smaller_than_a_tube(tmp_path):
-    """What the table of faults calls harmless: the rods go where they should."""
+def assert_made_up_for(tmp_path, seed):
+    fault = drawn("small-leak", seed)
+    tight = fault._replace(value=1e-15)
+    assert strayed(tmp_path, fault, seed) < strayed(tmp_path, tight, seed) + MADE_UP_FOR, fault
+
+
+def test_a_regulator_makes_up_for_a_small_leak(tmp_path):
+    """What the table of faults calls harmless: the rods go where they would without it.
+
+    A larger one, which its tube of a metre is too narrow for, is seen.
+    """
     assert_made_up_for(tmp_path, 100)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(101, 107))
-def test_a_regulator_makes_up_for_many_leaks_that_are_smaller_than_a_tube(tmp_path, seed):
+def test_a_regulator_makes_up_for_many_small_leaks(tmp_path, seed):
     assert_made_up_for(tmp_path, seed)
 
 
@@ -97,7 +106,7 @@ def test_a_pair_that_is_well_runs_to_its_end(tmp_path, name, more):
 
 
 def test_a_pair_with_more_friction_runs_to_its_end(tmp_path):
-    assert_well(tmp_path, "cylinder-step", ("plant.friction_scale=1.3",))
+    assert_well(tmp_path, "cylinder-ideal-step", ("plant.friction_scale=1.3",))
 
 
 def assert_well(folder, name, more):

@@ -49,11 +49,11 @@ def real(mechanism, plant, pid):
 
 PAIR, FOUR = ("agonist", "antagonist"), ("ch1", "ch2", "ch3", "ch4")
 BENCHES = {
-    "pair": Bench("cylinder", "cylinder-sine", SINE, PAIR, (2.2, 4.2), 0.0),
+    "pair": Bench("cylinder", "cylinder-ideal-sine", SINE, PAIR, (2.2, 4.2), 0.0),
     "real pair": Bench(
         "cylinder",
-        "cylinder-sine",
-        (*SINE, *real("cylinder", "antagonistic-pair-real", "controllers.pid")),
+        "cylinder-ideal-sine",
+        (*SINE, *real("cylinder", "antagonistic-pair", "controllers.pid")),
         PAIR,
         (2.2, 4.2),
         5e-3,
@@ -183,7 +183,7 @@ def test_softer_wires_are_found_with_their_stiffness(tmp_path):
 def test_a_stop_by_the_operator_or_from_outside_is_not_diagnosed(tmp_path):
     what = "{at: 2, device: regulators, fault: emergency_stop}"
     options = ["metrics={}", "figures=[]", f"simulation.faults=[{what}]"]
-    plan = load_plan("cylinder-sine", options, configs=CONFIGS)
+    plan = load_plan("cylinder-ideal-sine", options, configs=CONFIGS)
     result = run_experiment(plan, Backend.VIRTUAL, tmp_path, report=False)
     assert result.exit_code == 4 and "emergency stop" in result.message
     assert all(e["kind"] != "diagnosis" for e in RunFolder.open(result.path).events())

@@ -15,7 +15,7 @@ EMPTY = 20e3
 
 
 @pytest.mark.parametrize(
-    "experiment", ["cylinder-sine", "joint-circle", "cylinder-real-sine", "cylinder-valves-sine"]
+    "experiment", ["cylinder-sine", "joint-circle", "cylinder-sine-10mm", "cylinder-valves-sine"]
 )
 @pytest.mark.parametrize("seed", np.random.default_rng(8).integers(0, 10_000, 2).tolist())
 def test_the_fullest_chamber_is_empty_by_then_and_was_not_at_once(experiment, seed):

@@ -37,18 +37,18 @@ def bound_of(experiment, *options):
 
 
 def test_brisk_sine_bears_some_thirty_milliseconds_and_a_slow_one_more():
-    brisk = bound_of("cylinder-sine", *BRISK)
+    brisk = bound_of("cylinder-ideal-sine", *BRISK)
     assert brisk.what == "position"
     assert 0.02 < brisk.longest < 0.06
     slow = (BRISK[0], "reference.tones=[{frequency: 0.1 Hz, periods: 2}]", *BRISK[2:])
-    assert bound_of("cylinder-sine", *slow).longest > brisk.longest
+    assert bound_of("cylinder-ideal-sine", *slow).longest > brisk.longest
 
 
 def test_bound_holds_on_the_plant_and_more_does_not():
     from rig.experiment import frozen
 
-    plan = plan_of("cylinder-sine", *BRISK)
-    bound = bound_of("cylinder-sine", *BRISK)
+    plan = plan_of("cylinder-ideal-sine", *BRISK)
+    bound = bound_of("cylinder-ideal-sine", *BRISK)
     hazards = frozen.REGISTRY.hazards(plan.profile.plant.model)(plan.profile.mechanism_settings)
     trial = frozen._Trial(plan, hazards)
     (worst,) = [one for one in trial._instants if abs(one.t - bound.at) < 1e-6]
@@ -62,7 +62,7 @@ def test_bound_holds_on_the_plant_and_more_does_not():
     assert not every
 
 
-@pytest.mark.parametrize("experiment", ["cylinder-sine", "joint-circle"])
+@pytest.mark.parametrize("experiment", ["cylinder-ideal-sine", "joint-circle"])
 def test_plant_goes_the_same_way_again_from_a_snapshot(experiment):
     plant = make_plant(plan_of(experiment).profile)
     plant.set_supply(True)
@@ -107,7 +107,7 @@ def test_servos_bear_the_time_that_their_range_leaves_them():
 @pytest.mark.parametrize(
     ("rig", "experiment", "device", "after"),
     [
-        ("cylinder", "cylinder-sine", "regulators", 0.03),
+        ("cylinder", "cylinder-ideal-sine", "regulators", 0.03),
         ("joint", "joint-circle", "regulators", 0.005),
         ("arm", "arm-wrist-hit", "drives", 0.15),
         ("arm-odrive", "arm-wrist-hit", "drives", 0.05),
@@ -120,7 +120,7 @@ def test_profile_says_when_its_slowest_device_acts(rig, experiment, device, afte
 
 def test_slow_profile_is_refused_on_hardware_and_a_quick_one_is_not(tmp_path):
     slow = plan_of(
-        "cylinder-sine",
+        "cylinder-ideal-sine",
         *BRISK,
         "buses.can0.heartbeat=50 ms",
         "buses.can0.heartbeat_timeout=150 ms",
@@ -131,16 +131,19 @@ def test_slow_profile_is_refused_on_hardware_and_a_quick_one_is_not(tmp_path):
     assert not list(tmp_path.iterdir())
     said = []
     quick = plan_of(
-        "cylinder-sine", *BRISK, "buses.can0.heartbeat=5 ms", "buses.can0.heartbeat_timeout=15 ms"
+        "cylinder-ideal-sine",
+        *BRISK,
+        "buses.can0.heartbeat=5 ms",
+        "buses.can0.heartbeat_timeout=15 ms",
     )
     refuse_slow_devices(quick, said.append)
     assert said == ["trying on the plant what setpoints do that stay as they are …"]
 
 
 def test_profile_without_a_plant_says_so():
-    plan = plan_of("cylinder-sine", *BRISK, "plant=null")
+    plan = plan_of("cylinder-ideal-sine", *BRISK, "plant=null")
     bound, said = longest_freeze(plan), []
     assert isinstance(bound, NoBound)
-    assert bound.why == "cylinder has no plant to try it on"
+    assert bound.why == "cylinder-ideal has no plant to try it on"
     refuse_slow_devices(plan, said.append)
-    assert said == ["what frozen setpoints do is not known: cylinder has no plant to try it on"]
+    assert said == [f"what frozen setpoints do is not known: {bound.why}"]

@@ -11,6 +11,9 @@ from rig.assembly import Backend
 DRAWN = random.Random(1741)
 LIMIT = 20e-3
 """Of the cylinder's position, as its profile says, m."""
+RELEASED = {"": 2e-3, "-low-speed": 0.5e-3}
+"""By so much a pair moves while it is released, m: two regulators that are late do not vent alike,
+and standard seals hold 75 kPa and then slip."""
 STEEPEST = np.radians(60.0)
 SINE = ("reference.amplitude=10 mm", "reference.tones=[{frequency: 1 Hz, periods: 3}]")
 CIRCLE = ("reference.tones=[{frequency: 0.5 Hz, laps: 1}]",)
@@ -47,7 +50,7 @@ def test_cylinder_stays_within_its_swing_wherever_it_is_stopped(kind, seed, at):
     assert run.outcome.stopped == (at is not None)
     assert np.abs(run.column("position")).max() < LIMIT
     assert np.abs(run.during_stop("position")).max() < 11.5e-3
-    assert np.ptp(run.released("position")) < 0.5e-3
+    assert np.ptp(run.released("position")) < RELEASED[seals]
     assert run.column("pressure_agonist")[-1] < 5e3
     assert run.column("pressure_antagonist")[-1] < 5e3
 

@@ -11,13 +11,13 @@ from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 PLACES = {
-    "cylinder-sine": ("along.carriage_push",),
+    "cylinder-ideal-sine": ("along.carriage_push",),
     "joint-circle": ("forward.ring_push", "left.ring_push"),
 }
-LAPS = {"cylinder-sine": "periods", "joint-circle": "laps"}
+LAPS = {"cylinder-ideal-sine": "periods", "joint-circle": "laps"}
 HARMLESS = 0.5
 """N s: what the table of faults says must be ridden through."""
-LIGHT = {"cylinder-sine": ("position", 3e-3), "joint-circle": ("axis", 0.02)}
+LIGHT = {"cylinder-ideal-sine": ("position", 3e-3), "joint-circle": ("axis", 0.02)}
 """By so much a light push may move it: the pair's following error that is a fault, m; a degree."""
 
 
@@ -65,6 +65,6 @@ def test_a_light_push_is_ridden_through_and_moves_little(tmp_path, experiment, s
 @pytest.mark.parametrize("seed", range(3))
 def test_a_hard_push_is_told_from_an_encoder_that_jumps(tmp_path, seed):
     """Over the bus, whose encoders say that nothing moves so fast."""
-    result, _, push = run_pushed(tmp_path, "cylinder-sine", seed, 6.0, 12.0, Backend.VIRTUAL)
+    result, _, push = run_pushed(tmp_path, "cylinder-ideal-sine", seed, 6.0, 12.0, Backend.VIRTUAL)
     assert result.exit_code == 4, push
     assert result.message.startswith("the carriage was pushed or struck: it pulls the rod"), push

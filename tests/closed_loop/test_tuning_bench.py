@@ -15,7 +15,7 @@ from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.bench import PairBench
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 
-REAL = "plant.model=antagonistic-pair-real"
+REAL = "plant.model=antagonistic-pair"
 FAR = "cylinder.limits.following=15 mm"
 GENTLE = {
     "cascade": tuple(f"controllers.cascade.{gain}" for gain in (
@@ -61,7 +61,7 @@ def cases(laws, count=4):
 
 def planned(law, options):
     options = (REAL, FAR, *BLIND, *GENTLE[law], *options, f"controller={law}")
-    return load_plan("cylinder-step" if law == "pid" else "cylinder-sine", options)
+    return load_plan("cylinder-ideal-step" if law == "pid" else "cylinder-ideal-sine", options)
 
 
 @pytest.mark.parametrize(("law", "options"), list(cases(("cascade", "pid"))))
@@ -119,7 +119,7 @@ def test_the_compiled_loop_does_to_the_bit_what_law_and_limits_do_one_by_one(law
 def test_the_plant_that_is_as_told_slides_with_the_friction_that_was_told():
     """Judged by the forces of a slow motion, whatever names a plant has for its friction."""
     rng = np.random.default_rng(4)
-    plan = load_plan("cylinder-sine", (REAL,))
+    plan = load_plan("cylinder-ideal-sine", (REAL,))
     profile = plan.profile
     for _ in range(4):
         factor = rng.uniform(0.5, 2.0)
@@ -149,7 +149,9 @@ def test_the_plant_that_is_as_told_slides_with_the_friction_that_was_told():
 
 
 def test_a_plant_that_swings_out_is_lost_and_says_when():
-    plan = load_plan("cylinder-sine", (REAL, *GENTLE["pid"], "controllers.pid.proportional=4e8"))
+    plan = load_plan(
+        "cylinder-ideal-sine", (REAL, *GENTLE["pid"], "controllers.pid.proportional=4e8")
+    )
     profile = plan.profile
     bench = PairBench(
         profile.mechanism_settings, REGISTRY.load("controller", "cylinder/pid"),

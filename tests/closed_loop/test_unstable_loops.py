@@ -30,7 +30,7 @@ def test_a_pair_that_swings_is_stopped_and_named_and_never_ends_as_ok(dead, seed
         f"simulation.seed={seed}",
         f"controller={law}",
     )
-    run = Stopped("cylinder-sine", options, Backend.SIM, None)
+    run = Stopped("cylinder-ideal-sine", options, Backend.SIM, None)
     assert run.outcome.fault is not None
     assert "the pair oscillates at" in str(run.outcome.fault), run.outcome.fault
     assert np.abs(run.column("position")).max() < 23e-3

@@ -26,7 +26,14 @@ from rig.runtime.log import read_log  # noqa: E402
 PDOS = (0x190, 0x1A0, 0x1A1, 0x210)
 CONFIGS = Path(__file__).parents[2] / "configs"
 # Steps too short to settle: the bounds of the experiment are of no interest here.
-SHORT = ("loop.rate=500 Hz", "reference.dwell=0.2 s", "reference.repeats=1", "approach=0.2 s")
+SHORT = (
+    "loop.rate=500 Hz",
+    "reference.dwell=0.2 s",
+    "reference.rise=0 s",
+    "reference.size=1 mm",
+    "reference.repeats=1",
+    "approach=0.2 s",
+)
 
 
 def run(out, *options):

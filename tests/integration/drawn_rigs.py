@@ -26,7 +26,7 @@ def drawn_pair(seed, slower=1.0):
     home = stroke * rng.uniform(0.35, 0.65)
     side = min(20e-3, 0.7 * min(home, stroke - home))
     bandwidth = rng.uniform(36.0, 60.0)  # the shipped gains bear it
-    dead = rng.uniform(0.0, 3e-3)
+    dead = rng.uniform(3e-3, 8e-3)
     area = bore**2 * math.pi / 4.0
     size = bore / 16e-3  # the seal's rubbing goes with its circumference
     mass = rng.uniform(0.8, 1.5) * 0.138 * size**2
@@ -43,7 +43,7 @@ def drawn_pair(seed, slower=1.0):
         "cylinder.limits.position": f"[{-side}, {side}]",
         "cylinder.limits.reading_age": max(15e-3, 4.0 / rate),
         "cylinder.regulator_response.bandwidth": bandwidth,
-        "cylinder.regulator_response.dead_time": dead + 5e-3,
+        "cylinder.regulator_response.dead_time": dead + 11e-3,  # valve, tube, monitor
         "devices.encoder-agonist.stroke": stroke,
         "devices.encoder-antagonist.stroke": stroke,
         "plant.cylinder.bore": bore,

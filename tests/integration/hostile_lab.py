@@ -14,7 +14,10 @@ from rig.commissioning.record import new_record, write_record
 from rig.config import load_profile
 
 ROOT = Path(__file__).parents[2]
-SHORT = ("--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s")
+SHORT = (
+    "--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s",
+    "--set", "reference.rise=0 s", "--set", "reference.size=1 mm",
+)  # fmt: skip
 DATE = "2026-01-01T00:00:00+00:00"
 LATER = "2026-02-01T00:00:00+00:00"
 CONFIGS = ("--configs", "configs")

@@ -27,7 +27,7 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     file = configs / "calibration" / "cylinder" / "cylinder.yaml"
     assert calibrate(configs, "response", "--dry-run") == 0
     shown = capsys.readouterr().err
-    assert "chamber 1: set-points 120 kPa … 160 kPa" in shown
+    assert "chamber 1: set-points 200 kPa … 240 kPa" in shown
     assert "limits.position -20 mm … 20 mm" in shown
     assert not file.exists()
     assert not (configs.parent / "runs").exists()
@@ -36,7 +36,7 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     shown, said = capsys.readouterr()
     assert "bears more dead time" in shown, "what the loops bear, now that it is known"
     rig = configs / "rigs" / "cylinder.yaml"  # where nobody who leaves --configs out would find it
-    assert f"`rig tune {rig} --controller cascade`" in said
+    assert f"`rig tune {rig} --controller pid`" in said
     (run,) = (configs.parent / "runs").iterdir()
     assert (run / "figures" / "calibration-response.png").stat().st_size > 10_000
     assert json.loads((run / "manifest.json").read_text())["status"] == "ok"
@@ -78,7 +78,7 @@ def test_readings_that_are_none_are_refused_before_anything_moves(configs, capsy
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("rig", "procedure"),
-    [("legs-balance", "scale"), ("cylinder-valves", "encoders"), ("cylinder-real", "encoders")],
+    [("legs-balance", "scale"), ("cylinder-valves", "encoders"), ("cylinder", "encoders")],
 )
 def test_what_a_rig_is_fed_and_felt_by_stands_in_no_procedures_way(
     tmp_path, capsys, rig, procedure

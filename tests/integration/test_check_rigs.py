@@ -53,7 +53,7 @@ def test_the_plant_of_another_mechanism_is_refused_before_anything_runs(capsys, 
 
 @pytest.mark.parametrize(
     ("experiment", "known"),
-    [("cylinder-sine", True), ("joint-circle", True), ("arm-elbow-circle", False)],
+    [("cylinder-ideal-sine", True), ("joint-circle", True), ("arm-elbow-circle", False)],
 )
 def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
     capsys, experiment, known
@@ -62,7 +62,7 @@ def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
     shown, said = capsys.readouterr()
     assert ("the loop that" in shown) is known
     assert ("friction only" in said) == ("friction holds it" in shown)
-    assert ("`rig tune cylinder" in said) is (experiment == "cylinder-sine")
+    assert ("`rig tune cylinder" in said) is (experiment == "cylinder-ideal-sine")
     assert invoke(["check", experiment, "--configs", str(CONFIGS), "--json"]) == 0
     loop = json.loads(capsys.readouterr().out)["experiment"]["loop"]
     assert (loop is not None) is known

@@ -75,7 +75,7 @@ def test_check_shows_an_experiment_and_its_bounds(capsys):
     assert [s["name"] for s in experiment["segments"]] == ["0.1 Hz", "0.2 Hz", "0.5 Hz"]
     assert experiment["duration"] == experiment["segments"][-1]["end"]
     bounds = {metric["name"]: metric["max"] for metric in experiment["metrics"]}
-    assert bounds["tracking_rms"] == 0.15e-3
+    assert bounds["tracking_rms"] == 0.9e-3
     frozen = experiment["frozen"]
     assert frozen["device"] == {"device": "regulators", "after": 0.03}
     assert frozen["what"] == "position"

@@ -35,7 +35,7 @@ def test_a_drawn_rig_passes_every_step(tmp_path):
     assert set(record["steps"]) == {step.name for step in steps_of(profile)}
 
 
-@pytest.mark.parametrize("seed", [1002, 1007])
+@pytest.mark.parametrize("seed", [1002, 1008])
 def test_a_regulator_of_less_than_half_the_bandwidth_is_refused(tmp_path, seed):
     stopped = first_motion(tmp_path, drawn_pair(seed, slower=2.2))
     assert stopped is not None
@@ -56,7 +56,7 @@ def test_no_healthy_cylinder_of_a_thousand_is_refused_its_first_motion(tmp_path)
         assert stopped is None, f"seed {seed}: {stopped}"
 
 
-SOLD = ("cylinder-real", "cylinder-valves", "joint-real")
+SOLD = ("cylinder", "cylinder-valves", "joint-real")
 """On regulators as they are sold and mounted, and on valves."""
 
 
@@ -78,4 +78,4 @@ def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
 def test_a_defect_is_found_on_regulators_as_sold(tmp_path, plant):
-    find(tmp_path, "cylinder-real", plant, 1)
+    find(tmp_path, "cylinder", plant, 1)

@@ -22,7 +22,8 @@ RECORD = {
     "digest": "12345678", "steps": {},
 }  # fmt: skip
 QUICK = (
-    "--set", "reference.repeats=1", "--set", "reference.dwell=0.5 s", "--set", "approach=0.5 s",
+    "--set", "reference={kind: step, size: 2 mm, dwell: 0.5 s, rise: 0.1 s, repeats: 1}",
+    "--set", "approach=0.5 s",
 )  # fmt: skip
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{b}: &{b} [*{a}, *{a}, *{a}, *{a}, *{a}, *{a}, *{a}, *{a}, *{a}]\n"

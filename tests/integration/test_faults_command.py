@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from shutil import copy
 
 import numpy as np
 import pytest
@@ -104,9 +105,7 @@ def test_a_stop_in_quiet_hours_is_a_false_trip(tmp_path, slow_to_notice, at):
     """What the profile itself has break is nothing that the campaign knows of."""
     profile = slow_to_notice / "rigs" / "cylinder-slow.yaml"
     fault = f"{{at: {at}, device: encoder-agonist, fault: alarm}}"
-    profile.write_text(
-        profile.read_text().replace("simulation:", f"simulation:\n  faults: [{fault}]")
-    )
+    profile.write_text(f"{profile.read_text()}simulation: {{faults: [{fault}]}}\n")
     code, runs = quiet(slow_to_notice, tmp_path / "out")
     assert code == 1
     assert {(one["trip"], one["code"]) for one in runs} == {(True, 4)}
@@ -164,15 +163,18 @@ def slow_to_notice(tmp_path):
 
 
 def make_slow_to_notice(folder):
-    """Make a cylinder whose nodes notice only after 150 ms that nobody commands them any more."""
+    """Make a cylinder whose nodes notice only after 150 ms that nobody commands them any more.
+
+    On ideal regulators: those that are sold go to a new setpoint so slowly that less happens.
+    """
     configs = folder / "configs"
     for kind in ("rigs", "experiments"):
         (configs / kind).mkdir(parents=True)
-    text = (CONFIGS / "rigs" / "cylinder.yaml").read_text().replace("name: cylinder\n", "", 1)
-    slower = re.sub(r"heartbeat(_timeout)?: \d+ ms", "", text)
-    bus = "bitrate: 1 Mbit/s\n    heartbeat: 50 ms\n    heartbeat_timeout: 150 ms\n"
+    for parent in ("cylinder", "cylinder-ideal"):
+        copy(CONFIGS / "rigs" / f"{parent}.yaml", configs / "rigs")
     (configs / "rigs" / "cylinder-slow.yaml").write_text(
-        "name: cylinder-slow\n" + slower.replace("bitrate: 1 Mbit/s\n", bus)
+        "extends: cylinder-ideal\nname: cylinder-slow\n"
+        "buses: {can0: {heartbeat: 50 ms, heartbeat_timeout: 150 ms}}\n"
     )
     (configs / "experiments" / "sine-slow.yaml").write_text(
         "name: sine-slow\nrig: cylinder-slow\ncontroller: cascade\nreference:\n  kind: sine\n"

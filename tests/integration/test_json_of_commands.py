@@ -23,7 +23,18 @@ WITHOUT = {
     "calibrate": "asks and tells step by step; its result is a sealed file",
     "tune": "tells step by step; its result is a sealed file",
 }
-QUICK = ("--on", "sim", "--set", "reference.repeats=1", "--set", "reference.dwell=0.5 s")
+QUICK = (
+    "--on",
+    "sim",
+    "--set",
+    "reference.repeats=1",
+    "--set",
+    "reference.dwell=0.5 s",
+    "--set",
+    "reference.rise=0.1 s",
+    "--set",
+    "reference.size=2 mm",
+)
 
 
 def commands():

@@ -25,7 +25,7 @@ def out(tmp_path_factory):
 
 
 def follow(plan, out, on="sim", **more):
-    return rig.run("cylinder-staircase", on=on, plan=plan, set=FAST, out=out, **more)
+    return rig.run("cylinder-ideal-staircase", on=on, plan=plan, set=FAST, out=out, **more)
 
 
 def levels(r):
@@ -157,16 +157,16 @@ def leaves(r):
 
 def nested(r):
     yield r.hold(0.01)
-    rig.run("cylinder-step", on="sim")
+    rig.run("cylinder-ideal-step", on="sim")
 
 
 def no_plan_but_a_run(r):
-    rig.run("cylinder-step", on="sim")
+    rig.run("cylinder-ideal-step", on="sim")
 
 
 def swept(r):
     yield r.hold(0.01)
-    rig.sweep("cylinder-step", seeds=range(2), on="sim")
+    rig.sweep("cylinder-ideal-step", seeds=range(2), on="sim")
 
 
 def calibrates(r):
@@ -227,14 +227,14 @@ def test_what_the_rehearsal_did_not_meet_is_refused_in_time(out):
 def test_a_simulated_fault_is_not_rehearsed(out):
     fault = "[{at: 1.6, device: regulators, fault: emergency_stop}]"
     with pytest.raises(rig.RunFaulted, match="emergency stop"):
-        rig.run("cylinder-staircase", on="virtual", plan=levels, out=out,
+        rig.run("cylinder-ideal-staircase", on="virtual", plan=levels, out=out,
                 set={**FAST, "simulation.faults": fault})  # fmt: skip
 
 
 def test_a_run_may_follow_a_plan_that_wanted_one(out):
     with pytest.raises(rig.RunFaulted, match=r"rig\.run within the plan nested"):
         follow(nested, out)
-    assert rig.run("cylinder-staircase", on="sim", set=FAST, out=out).status == "ok"
+    assert rig.run("cylinder-ideal-staircase", on="sim", set=FAST, out=out).status == "ok"
 
 
 def test_the_end_of_the_program_that_a_plan_wants_is_a_fault_made_safe(out):
@@ -258,7 +258,7 @@ def test_only_steps_of_a_plan_have_a_step_response(out, seed):
         r.mark("jump")
         yield r.step(far, 1.0)
 
-    smooth, sudden = (rig.run("cylinder-step", on="sim", plan=plan, set=FAST, out=out)
+    smooth, sudden = (rig.run("cylinder-ideal-step", on="sim", plan=plan, set=FAST, out=out)
                       for plan in (moves, steps))  # fmt: skip
     assert not {"overshoot", "rise_time", "settling_time"} & set(smooth.metrics)
     assert "pressure_min" in smooth.metrics

@@ -203,7 +203,10 @@ BEARS = {"cylinder.limits.stop_energy": "1 J"}
         ({"measures": {"m": (len, "m/s/")}}, "measure m: .*usual units are"),
         ({"on": "mars"}, "'mars' is neither one of sim, virtual, vcan, hardware nor a CAN inter"),
         ({"on": "Sim"}, "'Sim' is neither one of sim"),
-        ({"on": "hardware", "set": BEARS}, "loop.small_margin"),
+        (
+            {"on": "hardware", "set": {**BEARS, "controllers.cascade.velocity_rate": 700}},
+            "loop.small_margin",
+        ),
         ({"on": "hardware", "set": {**BEARS, "loop.small_margin": "x"}}, "yes='cylinder'"),
     ],
 )

@@ -40,7 +40,12 @@ print(json.dumps([*compiled, result.exit_code]))
 
 SHORT = {
     "joint-poses": ("reference.dwell=0.2 s", "approach=0.5 s", "metrics={}"),
-    "cylinder-step": ("reference.dwell=0.5 s", "approach=0.5 s", "metrics={}"),
+    "cylinder-step": (
+        "reference.dwell=0.5 s",
+        "reference.rise=0.1 s",
+        "approach=0.5 s",
+        "metrics={}",
+    ),
 }
 """The same ways with shorter stays."""
 

@@ -16,7 +16,10 @@ from rig.cli import invoke
 from rig.runtime.log import read_log
 
 ROOT = Path(__file__).parents[2]
-SHORT = ("--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s")
+SHORT = (
+    "--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s",
+    "--set", "reference.rise=0 s", "--set", "reference.size=1 mm",
+)  # fmt: skip
 BEND = ("--set", "approach=0.2 s", "--set", "reference.repeats=1", "--set", "reference.time=1 s")
 
 

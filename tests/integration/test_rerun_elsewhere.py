@@ -41,7 +41,8 @@ def python(tmp_path_factory):
 @pytest.mark.parametrize(
     ("experiment", "options"),
     [("arm-wrist-hit", ["approach=0.5 s"]),
-     ("cylinder-step", ["reference.repeats=1", "reference.dwell=0.5 s"])],
+     ("cylinder-step", ["reference.repeats=1", "reference.dwell=0.5 s", "reference.rise=0 s",
+                        "reference.size=1 mm"])],
     ids=["arm", "cylinder"],
 )  # fmt: skip
 def test_a_new_environment_comes_to_the_same_bytes(experiment, options, python, tmp_path):

@@ -73,12 +73,12 @@ def test_counts_of_another_signal_are_refused_with_both_places(tmp_path, capsys,
     assert invoke(["check", "ours.yaml"]) == (0 if raw else 2)
     err = capsys.readouterr().err
     assert raw or f"{LINE}.current: ours.yaml:6:35" in err
-    assert raw or (f"{LINE}.raw: " in err and "cylinder.yaml:26:" in err)
+    assert raw or (f"{LINE}.raw: " in err and "cylinder.yaml:27:" in err)
 
 
 def test_a_fault_is_told_with_both_clocks_and_its_stretch(tmp_path, capsys):
     words = [
-        "run", "cylinder-step", "--on", "sim", "--no-report", "--out", "runs",
+        "run", "cylinder-ideal-step", "--on", "sim", "--no-report", "--out", "runs",
         "--set", "cylinder.limits.position=[-20 mm, 4 mm]", "--set", "reference.size=3.9 mm",
         "--set", "cylinder.limits.speed=3 mm/s",
     ]  # fmt: skip

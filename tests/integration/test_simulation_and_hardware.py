@@ -21,7 +21,10 @@ from rig.config import load_profile
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENCODER = "encoder-agonist"
 STOP = ("--set", "cylinder.limits.stop_energy=1 J", "--set", "loop.small_margin=a test")
-BRIEF = ("--set", "reference.dwell=0.3 s", "--set", "approach=0.5 s", "--set", "metrics={}")
+BRIEF = (
+    "--set", "reference.dwell=0.3 s", "--set", "reference.rise=0 s",
+    "--set", "reference.size=1 mm", "--set", "approach=0.5 s", "--set", "metrics={}",
+)  # fmt: skip
 SLOW = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
 
 

@@ -11,7 +11,10 @@ from rig.cli import invoke
 from rig.run_facts import FORMAT
 from rig.runtime.log import LogFile, read_log
 
-SHORT = ("--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s")
+SHORT = (
+    "--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s",
+    "--set", "reference.rise=0 s", "--set", "reference.size=1 mm",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

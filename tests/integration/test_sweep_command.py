@@ -30,7 +30,7 @@ def run(capsys, *arguments):
 def test_a_sweep_from_command_to_page(tmp_path, capsys):
     out = tmp_path / "sweep"
     code, shown, told = run(
-        capsys, "cylinder-step", *SHORT, *AXES, "--out", out, "--workers", 2, "--keep", 1
+        capsys, "cylinder-ideal-step", *SHORT, *AXES, "--out", out, "--workers", 2, "--keep", 1
     )
     assert code == 0
     assert "4 of 4 points: 4 ok" in told and "best in rise_time" in shown
@@ -39,7 +39,7 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
         ("0.9", "0"), ("0.9", "1"), ("1.1", "0"), ("1.1", "1"),
     ]  # fmt: skip
     options = ["loop.rate=200", "plant.friction_scale=1.1", "simulation.seed=1"]
-    plan = load_plan("cylinder-step", options, configs=CONFIGS)
+    plan = load_plan("cylinder-ideal-step", options, configs=CONFIGS)
     result = run_experiment(plan, Backend.SIM, tmp_path, report=False)
     for metric in result.metrics:
         assert float(rows[3][metric.name]) == metric.value
@@ -51,7 +51,7 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
     assert f'href="./runs/{kept[0]}/"' in (out / "sweep.html").read_text()
     before = {name: (out / name).read_bytes() for name in ("sweep.csv", "sweep.parquet")}
     again = sweep(
-        "cylinder-step", {"plant.friction_scale": [0.9, 1.1, 1.2]}, seeds=range(2), on="sim",
+        "cylinder-ideal-step", {"plant.friction_scale": [0.9, 1.1, 1.2]}, seeds=range(2), on="sim",
         set={"loop.rate": 200}, out=out, configs=CONFIGS, workers=1, quiet=True,
     )  # fmt: skip
     assert len(again.table) == 6
@@ -63,14 +63,14 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
     assert again.best("overshoot")["overshoot"] == least
     assert again.figure("overshoot").axes
     serial = tmp_path / "serial"
-    assert run(capsys, "cylinder-step", *SHORT, *AXES, "--out", serial, "--serial")[0] == 0
+    assert run(capsys, "cylinder-ideal-step", *SHORT, *AXES, "--out", serial, "--serial")[0] == 0
     assert {name: (serial / name).read_bytes() for name in before} == before
 
 
 def test_variations_are_rows_laws_are_columns_and_what_stopped_is_named(tmp_path, capsys):
     file, out = tmp_path / "varied.yaml", tmp_path / "out"
     text = (
-        "experiment: cylinder-step\non: sim\nset: {loop.rate: 200, reference.repeats: 1}\n"
+        "experiment: cylinder-ideal-step\non: sim\nset: {loop.rate: 200, reference.repeats: 1}\n"
         "vary: {controller: [cascade, pid]}\nmetric: overshoot\nvariations:\n"
         "  friction x 1.2: {plant.friction_scale: 1.2}\n"
         "  no supply: {plant.regulator.supply_pressure: 0 kPa}\n"
@@ -102,7 +102,8 @@ def test_variations_are_rows_laws_are_columns_and_what_stopped_is_named(tmp_path
 def test_a_sweep_file_says_what_options_say(tmp_path, capsys):
     file = tmp_path / "friction.yaml"
     file.write_text(
-        "experiment: cylinder-step\non: sim\nset: {reference.size: 3 mm, reference.repeats: 1}\n"
+        "experiment: cylinder-ideal-step\non: sim\n"
+        "set: {reference.size: 3 mm, reference.repeats: 1}\n"
         "perturbation: {friction: 0.3}\nvary: {controller: [cascade, pid]}\nrepeat: 2\n"
         "metric: overshoot\nbudget: 3 points\nkeep: 0\n"
     )
@@ -158,7 +159,7 @@ def test_a_point_that_cannot_be_is_a_row(tmp_path):
 )  # fmt: skip
 def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, arguments, words):
     code, _, told = run(
-        capsys, "cylinder-step", "--configs", CONFIGS, "--out", tmp_path, *arguments
+        capsys, "cylinder-ideal-step", "--configs", CONFIGS, "--out", tmp_path, *arguments
     )
     assert code == 2
     for word in words:
@@ -173,13 +174,20 @@ def test_a_pressure_that_leaves_a_law_no_room_is_a_refused_point(controller, tmp
     out = ("--set", f"controller={controller}", "--out", tmp_path)
     wrong = f"cylinder.base_pressure={pressure},150 kPa"
     code, _, told = run(
-        capsys, "cylinder-step", *SHORT, *out, "--vary", wrong, "--workers", 1, "--json"
+        capsys, "cylinder-ideal-step", *SHORT, *out, "--vary", wrong, "--workers", 1, "--json"
     )
     assert code == 0
     rows = (tmp_path / "sweep.csv").read_text().splitlines()
     assert ",refused," in rows[1] and "leaves no differential" in rows[1]
     assert ",refused," not in rows[2] and "lost" not in told
-    single = ["run", "cylinder-step", "--on", "sim", "--set", f"cylinder.base_pressure={pressure}"]
+    single = [
+        "run",
+        "cylinder-ideal-step",
+        "--on",
+        "sim",
+        "--set",
+        f"cylinder.base_pressure={pressure}",
+    ]
     assert invoke([*single, "--set", f"controller={controller}", "--out", str(tmp_path)]) == 2
     assert "leaves no differential" in capsys.readouterr().err
 
@@ -191,7 +199,7 @@ def test_a_refusal_names_what_the_file_says(tmp_path, capsys):
         ("vary: {plant.friction_scale: 1..2}", "vary: plant.friction_scale: 1..2: no such range"),
         ("set: {loop.raet: 1}\nseeds: 0:2", "loop.raet: 1: unknown key 'raet'"),
     ):
-        file.write_text(f"experiment: cylinder-step\non: sim\n{entry}\n")
+        file.write_text(f"experiment: cylinder-ideal-step\non: sim\n{entry}\n")
         code, _, told = run(capsys, file, "--configs", CONFIGS, "--out", tmp_path / "deep" / "er")
         assert code == 2 and said in told and "--" not in told
         assert not (tmp_path / "deep").exists()
@@ -200,18 +208,25 @@ def test_a_refusal_names_what_the_file_says(tmp_path, capsys):
 def test_a_refusal_leaves_what_others_keep_and_what_is_finished(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine")
     wrong = ("--vary", "plant.friction_scale=1 mm,2 mm", "--out", tmp_path)
-    assert run(capsys, "cylinder-step", *SHORT, *wrong)[0] == 2
+    assert run(capsys, "cylinder-ideal-step", *SHORT, *wrong)[0] == 2
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
     right = ("--vary", "plant.friction_scale=1", "--out", tmp_path, "--workers", 1)
-    assert run(capsys, "cylinder-step", *SHORT, *right)[0] == 0
+    assert run(capsys, "cylinder-ideal-step", *SHORT, *right)[0] == 0
     kept = (tmp_path / "points.jsonl").read_bytes()
-    assert run(capsys, "cylinder-step", *SHORT, *wrong)[0] == 2
+    assert run(capsys, "cylinder-ideal-step", *SHORT, *wrong)[0] == 2
     assert (tmp_path / "points.jsonl").read_bytes() == kept and len(kept.splitlines()) == 1
 
 
 def test_a_scheduler_that_is_not_there(tmp_path, capsys):
     code, _, told = run(
-        capsys, "cylinder-step", *SHORT, *AXES, "--out", tmp_path, "--dask", "tcp://127.0.0.1:9"
+        capsys,
+        "cylinder-ideal-step",
+        *SHORT,
+        *AXES,
+        "--out",
+        tmp_path,
+        "--dask",
+        "tcp://127.0.0.1:9",
     )
     assert code == 3 and "no Dask scheduler answers" in told
     assert not list(tmp_path.iterdir())
@@ -239,7 +254,7 @@ FAULTS = "simulation.faults=[],[{at: 2.5 s, device: plant, fault: wire_cut, valu
 
 
 def test_points_that_fault_are_rows_and_their_runs_are_kept(tmp_path, capsys):
-    arguments = ("cylinder-step", *SHORT, "--vary", FAULTS, "--seeds", "0:2", "--keep", "0")
+    arguments = ("cylinder-ideal-step", *SHORT, "--vary", FAULTS, "--seeds", "0:2", "--keep", "0")
     code, _, told = run(capsys, *arguments, "--out", tmp_path / "all", "--workers", 2)
     rows = list(csv.DictReader((tmp_path / "all" / "sweep.csv").read_text().splitlines()))
     assert code == 0 and "2 ok, 2 faulted" in told

@@ -27,7 +27,9 @@ SHORT = {
 
 def sweep(out, vary=None, **more):
     return rig.sweep(
-        "cylinder-step", vary, **{"on": "sim", "set": SHORT, "out": out, "quiet": True, **more}
+        "cylinder-ideal-step",
+        vary,
+        **{"on": "sim", "set": SHORT, "out": out, "quiet": True, **more},
     )
 
 

@@ -19,7 +19,7 @@ from rig.config.names import find_configs
 
 QUICK = (
     "--controller", "pid", "--for", "cylinder-step", "--generations", "3",
-    "--set", "plant.model=antagonistic-pair-real", "--set", "reference.dwell=1 s",
+    "--set", "plant.model=antagonistic-pair", "--set", "reference.dwell=1 s",
 )  # fmt: skip
 
 

@@ -50,8 +50,9 @@ def said(folder):
 
 
 def truth(folder):
+    """Return the greatest speed that was asked for, and the greatest pressure of a chamber."""
     log = read_log(folder / "log.mcap")
-    speed = np.abs(log.column("truth.velocity")).max()
+    speed = np.abs(log.column("reference.velocity")).max()
     pressure = max(log.column(f"truth.pressure_{s}").max() for s in ("agonist", "antagonist"))
     return float(speed), float(pressure)
 

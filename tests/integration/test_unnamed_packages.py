@@ -28,7 +28,8 @@ from rig.hal.parts import Additions
 PARTS = Additions(mechanism="cylinder", measures=("sly_more:MEASURES",))
 """
 QUICK = (
-    "--set", "reference.repeats=1", "--set", "reference.dwell=0.5 s", "--set", "approach=0.5 s",
+    "--set", "reference={kind: step, size: 2 mm, dwell: 0.5 s, rise: 0.1 s, repeats: 1}",
+    "--set", "approach=0.5 s",
 )  # fmt: skip
 COMMAND_LINES = {
     "run": ["run", "cylinder-step", "--on", "sim", "--no-report", *QUICK],

@@ -250,21 +250,8 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
-        "_HALVINGS = 30",
-        "30 -> 31",
-        "half a thousandth of a pascal is nothing",
-    ),
-    Equivalent(
-        "rig/mechanisms/pneumatic/cut_wire.py",
         "low, high = 0.0, settings.limits.pressure[1]",
         "0.0 -> 1.0",
         "of the search's lower end: the pressure is far above a pascal",
-    ),
-    Equivalent(
-        "rig/mechanisms/pneumatic/cut_wire.py",
-        "if compute_whip(settings, wires, middle).speed > settings.limits.speed:",
-        "compute_whip(settings, wires, middle).speed > settings.limits.speed -> "
-        "compute_whip(settings, wires, middle).speed >= settings.limits.speed",
-        "no speed of a search is the limit to the last bit",
     ),
 )

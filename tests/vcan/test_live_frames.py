@@ -14,7 +14,13 @@ pytestmark = pytest.mark.vcan
 LINK = "vcan2"
 SHORT = [
     word
-    for option in ("loop.rate=200 Hz", "reference.dwell=0.3 s", "reference.repeats=1")
+    for option in (
+        "loop.rate=200 Hz",
+        "reference.dwell=0.3 s",
+        "reference.rise=0 s",
+        "reference.size=1 mm",
+        "reference.repeats=1",
+    )
     for word in ("--set", option)
 ]
 

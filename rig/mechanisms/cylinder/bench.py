@@ -151,14 +151,19 @@ class PairBench(TuningBench):
 
 
 def _usual(settings: CylinderSettings) -> tuple[PairMotion, ...]:
-    """Return what a pair is tuned for if nobody says: slow and fast sines, holds, and steps."""
+    """Return what a pair is tuned for if nobody says: slow and fast sines, holds, and steps.
+
+    The fast sine comes first. After slow ones a law has learnt the friction of the pair, and gains
+    that need to have learnt it would look good.
+    """
     lower, upper = settings.limits.position
     half = 0.25 * (upper - lower)
     middle = 0.5 * (lower + upper)
-    tones = (SineTone(0.1, 2), SineTone(0.2, 2), SineTone(0.5, 3))
+    tones = (SineTone(0.5, 3), SineTone(0.1, 2), SineTone(0.2, 2))
+    small = Sine(0.5 * half, (SineTone(0.25, 2),))
     levels = tuple(middle + share * half for share in (0.0, 0.3, 0.8, 0.0, -0.1))
-    steps = Step(0.5 * half, dwell=2.0)
-    return Sine(half, tones), Staircase(levels, rise=0.5, dwell=2.0), steps
+    steps = Step(half, dwell=2.0, rise=0.5)  # a jump farther than `limits.following` is no motion
+    return Sine(half, tones), small, Staircase(levels, rise=0.5, dwell=2.0), steps
 
 
 def _limits(settings: CylinderSettings, period: float) -> Array:

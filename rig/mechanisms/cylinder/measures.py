@@ -34,6 +34,8 @@ SETTLING_BAND = 0.02
 """Share of the step within which it is settled (the usual 2 % criterion)."""
 _LEAST_STEP = 0.1e-3
 """A pair that holds is off by as much as friction keeps it: less than this is no step, m."""
+_RISE = 0.3
+"""Share of its segment within which the reference of a step has to be there."""
 JUMP_RATIO = 0.5
 """A reference that jumps by less than this share of the way to it is only held."""
 BREAKAWAY_TRAVEL = 20e-6
@@ -146,7 +148,7 @@ def _position(window: Window) -> "Array":
 
 
 def _steps(windows: Windows) -> list[Window]:
-    """Return the windows that begin with a jump of the reference, which then stays.
+    """Return the windows that begin with a jump of the reference, or a step's rise, and stay then.
 
     Raises
     ------
@@ -164,9 +166,10 @@ def _is_step(window: Window) -> bool:
     start, end = float(_position(window)[0]), float(reference[-1])
     least = JUMP_RATIO * abs(end - start)
     # Rounding may take a sample from before the jump, and a mark is one cycle before its step.
-    stays = float(
-        np.ptp(reference[2:] if len(reference) > 2 else reference)
-    ) <= SETTLING_BAND * abs(end - start)
+    rises = window.segment.name.startswith("step ")
+    first = max(2, int(_RISE * len(reference))) if rises else 2
+    rest = reference[first:] if len(reference) > first else reference
+    stays = float(np.ptp(rest)) <= SETTLING_BAND * abs(end - start)
     jump = abs(end - (start if before is None else before))
     return stays and jump >= max(least, _LEAST_STEP)
 

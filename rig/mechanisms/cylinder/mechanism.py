@@ -263,11 +263,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
 
     def explain(self, error: Exception, state: PairState) -> Exception:
         """Return a fault with the cause that the rest of the pair shows; see `Mechanism`."""
-        if isinstance(error, LimitExceeded):
-            cause = self._tracking.suspicion(self._now)
-            if cause is not None:
-                return SafetyError(f"{cause} ({error})")
-        return self._watch.explain(error)
+        found = self._watch.explain(error)
+        if isinstance(error, LimitExceeded) and (swing := self._tracking.suspicion(self._now)):
+            return SafetyError(f"{swing} ({error})" if found is error else f"{swing}; or {found}")
+        return found
 
     def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
         """Return what explains the end of a log best; see `Mechanism.diagnose`."""
@@ -314,7 +313,13 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     def check_command(self, reference: PairReference, command: PairCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
-        self._tracking.check((reference.position,), (self._position,), self._now)
+        self._tracking.check(
+            (reference.position,), (self._position,), self._now, self._watch.explain_held
+        )
+
+    def check_still(self, home: PairReference) -> None:
+        """See `Mechanism.check_still`."""
+        self._tracking.check_still((home.position,), (self._position,))
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

@@ -35,8 +35,8 @@ PARTS = MechanismParts(
             lends_kernel=True,
         )
         for name, settings, plant in (
-            ("antagonistic-pair", "settings:PlantSettings", _PAIR),
-            ("antagonistic-pair-real", "settings:RealPairSettings", _PAIR),
+            ("antagonistic-pair-ideal", "settings:PlantSettings", _PAIR),
+            ("antagonistic-pair", "settings:RealPairSettings", _PAIR),
             (
                 "valve-pair",
                 "valve_settings:ValvePairSettings",

@@ -139,23 +139,40 @@ class Staircase(PairMotion):
         return PairReference(*minimum_jerk(start, end, self.rise, into))
 
 
+_LONGEST_RISE = 0.25
+"""Of a step, as a share of its dwell."""
+
+
 @dataclass(frozen=True, slots=True)
 class Step(PairMotion):
-    """Sudden steps out and back, as a controller should never be asked to follow.
+    """Steps out and back, sudden or with a minimum-jerk rise.
+
+    Sudden ones show a loop, and are more than seals that stick should be asked for: the pair stands
+    until what is integrated breaks it away, and then slides too far.
 
     Parameters
     ----------
     size : float
         m.
     dwell : float
-        Time before and after each step, s.
+        Time before and after each step begins, s.
     repeats : int
         How often out and back.
+    rise : float
+        Time of the reference's own way, s; 0: it jumps. At most a quarter of the dwell.
     """
 
     size: Length
     dwell: Duration = 3.0
     repeats: Annotated[int, Ge(1)] = 1
+    rise: Annotated[float, Unit("s"), Ge(0)] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.rise > _LONGEST_RISE * self.dwell:
+            raise ValueError(
+                f"rise is {self.rise:g} s, more than a quarter of the dwell of {self.dwell:g} s: "
+                "what comes after it is what a step shows."
+            )
 
     @property
     def duration(self) -> float:
@@ -177,7 +194,11 @@ class Step(PairMotion):
     def at(self, t: float) -> PairReference:
         """Return the desired motion at `t`."""
         number = min(int(t // self.dwell), 2 * self.repeats)
-        return PairReference(self.size if number % 2 else 0.0, 0.0, 0.0)
+        end = self.size if number % 2 else 0.0
+        into = t - number * self.dwell
+        if number == 0 or into >= self.rise:
+            return PairReference(end, 0.0, 0.0)
+        return PairReference(*minimum_jerk(self.size - end, end, self.rise, into))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from controllers.cylinder.types import PairState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
@@ -80,6 +81,9 @@ class PairWatch:
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)
         )
+        self._balance = PullBalance(
+            settings.moving_mass, friction, ((0, 1),), CHANNELS, regulators, "the carriage"
+        )
         self._least_work = alarms.swapped.share * friction.coulomb
         self._history: deque[_Readings] = deque(maxlen=_HISTORY)
         self._speed_from: Two | None = None
@@ -93,6 +97,7 @@ class PairWatch:
     def restart(self) -> None:
         """Forget where the pair was: a new motion starts."""
         self._speed_from = None
+        self._balance.restart()
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints that the regulators get in this cycle, Pa gauge."""
@@ -120,6 +125,7 @@ class PairWatch:
         self._check_frozen(extensions, now)
         self._pressures.check((agonist, antagonist), now)
         rods = self._home - extensions[0], self._home - extensions[1]
+        self._balance.note(now, rods, pulls)
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
 
@@ -132,7 +138,7 @@ class PairWatch:
             if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * self._step:
                 cause = self._explain_run() or self._pressures.suspicion() or self._explain_push(k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
-            cause = self._explain_run() or self._pressures.suspicion()
+            cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:
@@ -236,6 +242,10 @@ class PairWatch:
         if out <= 0.0 or -other < _LEAST_RUN * out:
             return None
         return f"the carriage was pushed or struck: it pulls the rod of {CHANNELS[k]} out"
+
+    def explain_held(self) -> str | None:
+        """Return why a pair sticks whose pressures should move it; None: they need not."""
+        return self._balance.explain(sticks=True)
 
     def _explain_against(self) -> str | None:
         """Return which encoder alone goes against the pull since the two disagree."""

@@ -175,7 +175,7 @@ class JointBench(TuningBench):
 def _usual(settings: JointSettings) -> tuple[Motion[JointReference], ...]:
     """Return what a joint is tuned for if nobody says: the paper's circle, poses near and far."""
     tilt = min(_SMALL_TILT, settings.limits.tilt / 3.0)
-    tones = (CircleTone(0.1, 1), CircleTone(0.2, 1), CircleTone(0.5, 2))
+    tones = (CircleTone(0.5, 2), CircleTone(0.1, 1), CircleTone(0.2, 1))  # fast: nothing learnt yet
     sides = ((1.0, 0.0), (0.5, 2.0), (2.0, 0.8), (0.3, 4.0), (0.0, 0.0))
     poses = tuple(JointPose(share * tilt, azimuth) for share, azimuth in sides)
     return JointCircle(tilt, tones), JointPoses(poses, rise=1.0, dwell=2.0)

@@ -269,11 +269,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
 
     def explain(self, error: Exception, state: JointState) -> Exception:
         """Return a fault with the cause that the rest of the rig shows; see `Mechanism`."""
-        if isinstance(error, LimitExceeded):
-            cause = self._tracking.suspicion(self._now)
-            if cause is not None:
-                return SafetyError(f"{cause} ({error})")
-        return self._watch.explain(error, state)
+        found = self._watch.explain(error, state)
+        if isinstance(error, LimitExceeded) and (swing := self._tracking.suspicion(self._now)):
+            return SafetyError(f"{swing} ({error})" if found is error else f"{swing}; or {found}")
+        return found
 
     def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
         """Return what explains the end of a log best; see `Mechanism.diagnose`."""
@@ -330,7 +329,8 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         if self.controller is None or reference.push is not None:
             self._tracking.restart()  # nothing is controlled
         else:
-            self._tracking.check(self.controller.estimate.rods, self._rods, self._now)
+            wanted = self.controller.estimate.rods
+            self._tracking.check(wanted, self._rods, self._now, self._watch.explain_held)
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""

@@ -23,6 +23,10 @@ Four = tuple[str, str, str, str]
 _Length = Annotated[float, Unit("m")]
 
 
+_WRAP = 1.0
+"""A wire lies on so much of the ball, rad. E: upright it is somewhat more."""
+
+
 @dataclass(frozen=True, slots=True)
 class JointFriction(SealFriction):
     """Friction of a pair's seals at base pressure, and on the ball, as the controllers believe it.
@@ -37,6 +41,13 @@ class JointFriction(SealFriction):
 
     ring: Annotated[float, Ge(0), Le(1)] = 0.08
     wire: Annotated[float, Ge(0), Le(1)] = 0.10
+
+    def of_pair(self, tension: float) -> SealFriction:
+        """Return what a pair feels of seals, ring and its two wires, all wires at a tension, N."""
+        ball = (4.0 * self.ring + 2.0 * self.wire * _WRAP) * tension
+        return SealFriction(
+            self.coulomb + ball, self.breakaway + ball, self.stribeck_velocity, self.viscous
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

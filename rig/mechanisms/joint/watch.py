@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from controllers.spherical_joint.falling import falling_stiffness
 from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.poses import Vector, tilt_of
 from controllers.spherical_joint.types import CameraSample, JointState
@@ -12,6 +13,7 @@ from rig.mechanisms.joint.alarms.camera import MarkerWatch
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
@@ -74,6 +76,17 @@ class JointWatch:
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, PAIRS
         )
+        pull = settings.area * settings.base_pressure
+        self._balance = PullBalance(
+            settings.moving_mass,
+            friction.of_pair(pull),
+            PAIRS,
+            CHANNELS,
+            regulators,
+            "the ring",
+            -falling_stiffness(settings.geometry, 1.0),
+        )
+        self._area = settings.area
         self._camera = (
             None
             if camera is None
@@ -92,6 +105,7 @@ class JointWatch:
     def restart(self) -> None:
         """Forget where the rods were: a new motion starts."""
         self._speed_from = None
+        self._balance.restart()
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints that the regulators get in this cycle, Pa gauge."""
@@ -117,6 +131,7 @@ class JointWatch:
         self._before, self._last = self._last, rods
         self._step, self._then = now - self._then, now
         self._pressures.check(pressures, now)
+        self._balance.note(now, rods, [self._area * pressure for pressure in pressures])
         self._wires.follow(rods, now)
         self._check_speed(rods, now)
         self._cycle += 1
@@ -144,10 +159,17 @@ class JointWatch:
         if k is None:
             return error
         rods = self._unstretched(state)
-        cause = self._wires.explain_run(rods, state.pressures, k) or self._pressures.suspicion()
+        cause = self._wires.explain_run(rods, state.pressures, k)
+        if cause is None and isinstance(error, LimitExceeded):
+            cause = self._balance.explain()
+        cause = cause or self._pressures.suspicion()
         if cause is None and isinstance(error, DeviceFault) and self._wires.agree(rods):
             cause = "the ring was pushed or struck: all rods move with it"
         return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def explain_held(self) -> str | None:
+        """Return why a pair sticks whose pressures should move it; None: they need not."""
+        return self._balance.explain(sticks=True)
 
     def margins(self) -> tuple[Margin, ...]:
         """Return how far each quantity that is watched is from its limit."""

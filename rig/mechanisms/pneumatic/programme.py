@@ -93,7 +93,7 @@ class Programme(NamedTuple):
         """
         squares: dict[str, list[Array]] = {}
         for name, first, end in self.stretches:
-            key = name
+            key = "step" if name.startswith("step ") else name  # one with a rise is one, too
             if self.rests(first, end):
                 key = "step" if self.jumps(first) else "hold"
             squares.setdefault(key, []).append(np.sum(errors[first:end] ** 2, axis=1))

@@ -20,7 +20,7 @@ PERIOD = 1e-3
 
 @pytest.fixture(scope="module")
 def profile():
-    return load_profile("cylinder", REGISTRY, (), find_configs())
+    return load_profile("cylinder-ideal", REGISTRY, (), find_configs())
 
 
 class Seals(NamedTuple):

@@ -45,6 +45,21 @@ def test_only_a_leg_that_bears_on_a_servo_with_one_loop_may_fold(kind, seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
+def test_a_wide_tube_off_is_a_cut_wire_while_another_chamber_pulls(seed):
+    chance = random.Random(seed)
+    row = kind_named("leak")
+    _, case = plight(chance, LIES[0], bears=True)
+    wide, pulls = chance.uniform(1.5e-8, 5e-8), chance.uniform(51e3, 400e3)
+    truth = {"pressure_ch1": 1e3, "pressure_ch2": pulls, "position": 0.0}
+    case = case._replace(truth=truth, sizes=Sizes(wide, math.inf))
+    assert "energy left" not in row.excuses(case)
+    assert {"tilt", "speed"} < row.excuses(case)
+    narrow = case._replace(sizes=Sizes(chance.uniform(1e-8, 1.49e-8), math.inf))
+    empty = case._replace(truth=dict(truth, pressure_ch2=chance.uniform(0.0, 49e3)))
+    assert row.excuses(narrow) == row.excuses(empty) == frozenset()
+
+
+@pytest.mark.parametrize("seed", range(5))
 def test_a_jump_that_can_be_made_up_for_is_no_excuse(seed):
     chance = random.Random(seed)
     row, case = plight(chance, LIES[0], bears=True, size=chance.uniform(0.05, 0.29))

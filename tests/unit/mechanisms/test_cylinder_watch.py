@@ -241,7 +241,7 @@ def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
         ways = (places[-5] - places[-1]) - (places[-9] - places[-5])
         runs = ways.max() >= WAY and ways.min() >= 0.1 * ways.max()
         said = rods.watch.explain(FAST)
-        assert (said is not FAST) == runs
+        assert ("slack or cut" in str(said)) == runs
         if runs:
             told += 1
             assert f"wire of {('agonist', 'antagonist')[int(np.argmax(ways))]} " in str(said)

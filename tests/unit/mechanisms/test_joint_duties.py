@@ -91,7 +91,7 @@ def test_what_swung_while_it_was_controlled_is_forgotten_when_it_is_not():
         else:
             bench.joint.controller = None
             bench.joint.check_command(UP, EASY)
-        assert bench.joint.explain(FAULT, state) is FAULT
+        assert "oscillates" not in str(bench.joint.explain(FAULT, state))
 
 
 def test_a_jump_before_a_new_start_is_no_speed():

@@ -14,7 +14,7 @@ from rig.watching.steering import Steering
 
 @pytest.fixture(scope="module")
 def profile():
-    return dump_resolved(load_plan("cylinder-sine").profile)
+    return dump_resolved(load_plan("cylinder-ideal-sine").profile)
 
 
 @pytest.fixture
@@ -97,7 +97,7 @@ print(*{name.partition(".")[0] for name in sys.modules})
 
 @pytest.mark.parametrize(
     ("experiment", "key"),
-    [("cylinder-sine", "position_rate"), ("joint-circle-camera", "pair.position_rate")],
+    [("cylinder-ideal-sine", "position_rate"), ("joint-circle-camera", "pair.position_rate")],
 )
 def test_who_asks_for_margins_needs_no_compiler(tmp_path, experiment, key):
     """Which would take the page's server beyond the memory that it may have."""
@@ -116,7 +116,7 @@ def test_who_asks_for_margins_needs_no_compiler(tmp_path, experiment, key):
 
 def test_one_may_go_back_to_a_gain_that_is_beyond_the_usual_bounds(tmp_path):
     overrides = ("controllers.cascade.position_rate=260",)
-    inputs = {"profile.yaml": dump_resolved(load_plan("cylinder-sine", overrides).profile)}
+    inputs = {"profile.yaml": dump_resolved(load_plan("cylinder-ideal-sine", overrides).profile)}
     folder = RunFolder.create(tmp_path, "gains", "sim", inputs=inputs, law="cascade")
     steering = Steering(folder.path)
     (described,) = [one for one in steering.described() if one["key"] == "position_rate"]

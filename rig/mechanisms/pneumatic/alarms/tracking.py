@@ -5,11 +5,13 @@ of its pressures. Nothing is broken then, and no reading is wrong: only what was
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rig.hal import LimitExceeded, SafetyError
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 
+_HELD = 0.05
+"""What is held is behind its reference for longer than this, s: seals let go before."""
 _KEPT = 0.7
 """A swing that dies away is below this share of the one before; one that stays is above it."""
 _TURN = 0.5
@@ -112,13 +114,29 @@ class TrackingWatch:
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed_at: list[float | None] = [None] * len(self._names)
 
-    def check(self, wanted: Sequence[float], measured: Sequence[float], now: float) -> None:
+    def check(
+        self,
+        wanted: Sequence[float],
+        measured: Sequence[float],
+        now: float,
+        held: Callable[[], str | None] = lambda: None,
+    ) -> None:
         """Take a cycle's positions, m, and raise if one swings or does not follow.
+
+        Parameters
+        ----------
+        wanted, measured : sequence of float
+            Positions, m.
+        now : float
+            s.
+        held : callable
+            Returns why something sticks that should move, if it is known: asked before an error
+            has lasted for as long as is permitted.
 
         Raises
         ------
         SafetyError
-            It oscillates.
+            It oscillates, or is held.
         LimitExceeded
             It has been too far off for too long.
         """
@@ -132,6 +150,10 @@ class TrackingWatch:
             elif now - since > self._alarm.lost:
                 what = f"following error of {self._names[k]} for {now - since:.3g} s"
                 raise LimitExceeded(what, error, -following, following, "m")
+            elif now - since > _HELD and (cause := held()) is not None:
+                raise SafetyError(
+                    f"{cause} [{self._names[k]} stays {error * 1e3:.2g} mm off its reference]"
+                )
             frequency = swings.update(goal, error, now)
             if frequency is not None:
                 raise SafetyError(
@@ -139,6 +161,20 @@ class TrackingWatch:
                     f"{self._alarm.amplitude * 1e3:g} mm, or one of {following * 1e3:g} mm to "
                     "either side]"
                 )
+
+    def check_still(self, wanted: Sequence[float], measured: Sequence[float]) -> None:
+        """Raise if a rod moves while the chambers fill, and nothing is controlled.
+
+        Raises
+        ------
+        LimitExceeded
+            It is farther off than a rod may be that follows.
+        """
+        following = self._following
+        for name, goal, here in zip(self._names, wanted, measured, strict=True):
+            if not -following <= here - goal <= following:
+                what = f"way of {name} while its chamber fills"
+                raise LimitExceeded(what, here - goal, -following, following, "m")
 
     def suspicion(self, now: float) -> str | None:
         """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""

@@ -1,0 +1,173 @@
+"""Tell that something pulls a pair that its pressure monitors do not show.
+
+A monitor sits at its regulator. Between it and the chamber is a tube: what leaks behind that is
+felt by the rods long before the monitor shows it, and a push is never shown.
+"""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+from rig.mechanisms.pneumatic.settings import SealFriction
+
+_LOOK: Final = 0.02
+"""Over this time before a limit was exceeded forces are balanced, s …"""
+_KEPT: Final = 64
+"""So many cycles are remembered."""
+_ENDS: Final = 0.004
+"""… with speeds over this time at its two ends, s."""
+_MOVED: Final = 0.5e-3
+"""A pair that has moved less than this (m) sticks, and its seals hold as much as they can."""
+_LEAST_FRICTION, _MOST_FRICTION = 0.8, 1.6
+"""Seals take so much of the profile's friction at least while they slide, and hold so much at
+most. E: with 0.6, as `rig tune` has it, a chamber that empties in mid-motion is not told."""
+_SURE: Final = 0.7
+"""So much of the Coulomb friction is missing at least: less may be friction other than told."""
+
+
+class Instant(NamedTuple):
+    """Readings of one cycle.
+
+    Parameters
+    ----------
+    t : float
+        s.
+    place : float
+        Of the pair, m.
+    pull : float
+        Of its agonist less that of its antagonist, as the monitors say, N.
+    """
+
+    t: float
+    place: float
+    pull: float
+
+
+def missing_pull(
+    history: Sequence[Instant], mass: float, friction: SealFriction, *, sticks: bool = False
+) -> float:
+    """Return the force that the monitors and the seals leave unexplained, N; 0: nothing.
+
+    While the pair moves, by the energy that it has gained and its seals have taken at least,
+    over what the monitors' pull has done. While it sticks, by what its seals can hold at most.
+
+    Parameters
+    ----------
+    history : sequence of Instant
+        Of every cycle, the latest last.
+    mass : float
+        That the pair moves, kg.
+    friction : SealFriction
+        As the profile has it.
+    sticks : bool
+        Only if it sticks. A pair that slides fast has other pressures than late monitors say.
+    """
+    late = [instant for instant in history if instant.t >= history[-1].t - _LOOK]
+    if not late or late[-1].t - late[0].t < 2.0 * _ENDS:
+        return 0.0
+    way = late[-1].place - late[0].place
+    if abs(way) < _MOVED:
+        held = sum(instant.pull for instant in late) / len(late)
+        missing, sign = abs(held) - _MOST_FRICTION * friction.breakaway, -held
+    elif sticks:
+        return 0.0
+    else:
+        missing, sign = _unexplained_energy(late, mass, friction) / abs(way), way
+    return math.copysign(missing, sign) if missing > _SURE * friction.coulomb else 0.0
+
+
+class PullBalance:
+    """Remembers how pairs moved and what their monitors said, and tells what does not fit.
+
+    Parameters
+    ----------
+    mass : float
+        That a pair moves, kg.
+    friction : SealFriction
+        Of a pair, as the profile has it.
+    pairs : sequence of tuple of int
+        Agonist and antagonist of each.
+    channels : sequence of str
+        Their names, for messages.
+    device : str
+        The regulators' name, for messages.
+    moved : str
+        What the pairs move, for messages: ``the carriage``.
+    falling : float
+        Force with which tensions pull a pair on, over how far it is off the middle and over the
+        mean pull of a chamber, 1/m; 0 where nothing falls.
+    """
+
+    def __init__(
+        self,
+        mass: float,
+        friction: SealFriction,
+        pairs: Sequence[tuple[int, int]],
+        channels: Sequence[str],
+        device: str,
+        moved: str,
+        falling: float = 0.0,
+    ) -> None:
+        self._mass, self._friction, self._falling = mass, friction, falling
+        self._pairs, self._channels = tuple(pairs), tuple(channels)
+        self._device, self._moved = device, moved
+        self._history: deque[tuple[float, Sequence[float], Sequence[float]]] = deque(maxlen=_KEPT)
+
+    def restart(self) -> None:
+        """Forget the past: a new motion starts."""
+        self._history.clear()
+
+    def note(self, now: float, rods: Sequence[float], pulls: Sequence[float]) -> None:
+        """Take a cycle's rods (m, run in) and the chambers' pulls as monitors have them, N."""
+        self._history.append((now, rods, pulls))
+
+    def explain(self, *, sticks: bool = False) -> str | None:
+        """Return that a chamber has other air than its monitor says, or that somebody pushes.
+
+        Parameters
+        ----------
+        sticks : bool
+            Only of a pair that sticks.
+        """
+        found = [(self._missing(pair, sticks), pair) for pair in self._pairs]
+        found = sorted((one for one in found if one[0]), key=lambda one: -abs(one[0]))
+        if not found:
+            return None
+        short = " or ".join(
+            self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
+        )
+        return (
+            f"{self._device}: the chamber of {short} leaks behind its tube, or its monitor is off, "
+            f"or {self._moved} is pushed or held: {abs(found[0][0]):.0f} N are not those of the "
+            "pressures"
+        )
+
+    def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
+        one, other = pair
+        instants = []
+        for t, rods, pulls in self._history:
+            place = 0.5 * (rods[one] - rods[other])
+            falls = self._falling * sum(pulls) / len(pulls) * place
+            instants.append(Instant(t, place, pulls[one] - pulls[other] + falls))
+        return missing_pull(instants, self._mass, self._friction, sticks=sticks)
+
+
+def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:
+    """Return the energy that a sliding pair has got and not from the monitors' pull, J."""
+    done = taken = 0.0
+    for before, after in pairwise(late):
+        way = after.place - before.place
+        done += 0.5 * (before.pull + after.pull) * way
+        drag = friction.coulomb + friction.viscous * abs(way) / (after.t - before.t)
+        taken += _LEAST_FRICTION * drag * abs(way)
+    fast, slow = _speed(late[::-1]), _speed(late)
+    return 0.5 * mass * (fast * fast - slow * slow) + taken - done
+
+
+def _speed(instants: Sequence[Instant]) -> float:
+    """Return the mean speed over the first of some instants, m/s."""
+    first = instants[0]
+    other = next(one for one in instants if abs(one.t - first.t) >= _ENDS)
+    return (other.place - first.place) / (other.t - first.t)
