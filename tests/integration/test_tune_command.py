@@ -20,6 +20,7 @@ from rig.config.names import find_configs
 QUICK = (
     "--controller", "pid", "--for", "cylinder-step", "--generations", "3",
     "--set", "plant.model=antagonistic-pair", "--set", "reference.dwell=1 s",
+    "--set", "reference.rise=0.2 s",
 )  # fmt: skip
 
 

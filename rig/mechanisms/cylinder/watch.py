@@ -82,8 +82,9 @@ class PairWatch:
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)
         )
         self._balance = PullBalance(
-            settings.moving_mass, friction, ((0, 1),), CHANNELS, regulators, "the carriage"
-        )
+            settings.area, settings.moving_mass, friction, ((0, 1),), CHANNELS, regulators,
+            "the carriage",
+        )  # fmt: skip
         self._least_work = alarms.swapped.share * friction.coulomb
         self._history: deque[_Readings] = deque(maxlen=_HISTORY)
         self._speed_from: Two | None = None
@@ -125,7 +126,7 @@ class PairWatch:
         self._check_frozen(extensions, now)
         self._pressures.check((agonist, antagonist), now)
         rods = self._home - extensions[0], self._home - extensions[1]
-        self._balance.note(now, rods, pulls)
+        self._balance.note(now, rods, (agonist, antagonist))
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from controllers.spherical_joint.falling import falling_stiffness
 from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.poses import Vector, tilt_of
 from controllers.spherical_joint.types import CameraSample, JointState
@@ -12,8 +11,8 @@ from rig.hal.mechanism import Margin
 from rig.mechanisms.joint.alarms.camera import MarkerWatch
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
 from rig.mechanisms.joint.columns import CHANNELS
+from rig.mechanisms.joint.pulls import pull_balance
 from rig.mechanisms.joint.settings import JointSettings
-from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
@@ -76,17 +75,7 @@ class JointWatch:
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, PAIRS
         )
-        pull = settings.area * settings.base_pressure
-        self._balance = PullBalance(
-            settings.moving_mass,
-            friction.of_pair(pull),
-            PAIRS,
-            CHANNELS,
-            regulators,
-            "the ring",
-            -falling_stiffness(settings.geometry, 1.0),
-        )
-        self._area = settings.area
+        self._balance = pull_balance(settings, regulators)
         self._camera = (
             None
             if camera is None
@@ -131,7 +120,7 @@ class JointWatch:
         self._before, self._last = self._last, rods
         self._step, self._then = now - self._then, now
         self._pressures.check(pressures, now)
-        self._balance.note(now, rods, [self._area * pressure for pressure in pressures])
+        self._balance.note(now, rods, pressures)
         self._wires.follow(rods, now)
         self._check_speed(rods, now)
         self._cycle += 1

@@ -54,6 +54,16 @@ def beyond(bench, now):
     return caught.value, state
 
 
+def test_a_pair_that_moves_while_its_chambers_fill_is_a_fault():
+    bench = PairBench()
+    bench.cycle(0.0)
+    bench.pair.check_still(STILL)
+    bench.move_to(1.01 * pair_settings().limits.following)
+    bench.cycle(PERIOD)
+    with pytest.raises(LimitExceeded, match="way of the pair while its chamber fills"):
+        bench.pair.check_still(STILL)
+
+
 # The cause of a fault --------------------------------------------------------------------------
 
 
@@ -71,6 +81,9 @@ def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     assert isinstance(told, SafetyError)
     assert str(told).startswith("the pair oscillates at 8.")
     assert str(told).endswith(f"({fault})")
+    assert "; or regulators: the chamber of " in str(told)  # nothing pulls it to and fro here
+    bench.pair._watch.restart()
+    assert str(bench.pair.explain(fault, state)).endswith(f"and dead time ({fault})")
     # What else stops a swinging pair is not the swing's doing.
     stop = EmergencyStop("stop")
     assert bench.pair.explain(stop, state) is stop

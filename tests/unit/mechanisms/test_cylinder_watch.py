@@ -434,3 +434,28 @@ def test_rods_that_disagree_when_they_are_first_read_are_a_fault(k, way):
     bench.place(*off)
     with pytest.raises(LimitExceeded, match="mismatch of the two rods"):
         bench.cycle(0.0)
+
+
+# A pull that no monitor shows -------------------------------------------------------------------
+
+
+def pulled(cycles, apart=400e3):
+    """Return rods that stand still under a pull that no seal could hold."""
+    rods = Rods()
+    rods.settle()
+    for _ in range(cycles):
+        rods.cycle(0.0, 0.0, (BASE + apart, BASE))
+    return rods
+
+
+def test_a_pair_that_should_move_and_sticks_is_told_with_its_chamber():
+    told = pulled(32).watch.explain_held()
+    assert "the chamber of agonist leaks behind its tube" in told
+    assert "the carriage is pushed or held" in told
+    assert pulled(32, 0.0).watch.explain_held() is None
+
+
+def test_what_held_it_before_a_new_start_is_forgotten():
+    rods = pulled(32)
+    rods.watch.restart()
+    assert rods.watch.explain_held() is None

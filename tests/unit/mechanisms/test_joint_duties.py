@@ -73,6 +73,9 @@ def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     assert str(told).startswith("the rod of ch")
     assert "oscillates at 8." in str(told)
     assert str(told).endswith(f"({FAULT})")
+    assert "; or regulators: the chamber of " in str(told)  # nothing pulls it to and fro here
+    bench.joint._watch.restart()
+    assert str(bench.joint.explain(FAULT, state)).endswith(f"and dead time ({FAULT})")
     stop = EmergencyStop("stop")
     assert bench.joint.explain(stop, state) is stop
 

@@ -409,3 +409,36 @@ def test_without_a_camera_a_sample_is_not_looked_at():
     told = Rods()
     for _ in range(8 * GRACE_CYCLES):
         told.check(UPRIGHT, CameraSample((1.0, 0.0, 0.0), told.now, 1.0))
+
+
+# A pull that no monitor shows -------------------------------------------------------------------
+
+
+def pulled(apart):
+    """Return the watch of a ring that stands still under a pull of one chamber."""
+    bench = JointBench()
+    bench.regulators.reads = (BASE, BASE + apart, BASE, BASE)
+    bench.cycles(40)
+    return bench.joint._watch
+
+
+def test_a_ring_that_should_move_and_sticks_is_told_with_its_chamber():
+    told = pulled(300e3).explain_held()
+    assert "the chamber of ch2 leaks behind its tube" in told
+    assert "the ring is pushed or held" in told
+    assert pulled(0.0).explain_held() is None
+
+
+def test_what_held_it_before_a_new_start_is_forgotten():
+    watch = pulled(300e3)
+    watch.restart()
+    assert watch.explain_held() is None
+
+
+def test_a_limit_that_is_exceeded_is_told_with_the_pull_that_no_monitor_shows():
+    bench = JointBench()
+    bench.regulators.reads = (BASE, BASE + 300e3, BASE, BASE)
+    state = bench.cycles(40)
+    told = str(bench.joint._watch.explain(ERROR, state))
+    assert "the chamber of ch2 leaks behind its tube" in told
+    assert told.endswith(f"({ERROR})")

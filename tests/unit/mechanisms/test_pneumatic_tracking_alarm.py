@@ -261,3 +261,36 @@ def test_the_bounds_themselves_are_allowed_and_named():
             watched.check((0.0,), (side * 2.5,), 3.0)
     _, said = zigzag([0.0, 1.0] * 5)
     assert said.endswith("[3 swings of more than 250 mm, or one of 10000 mm to either side]")
+
+
+# What is held, and what moves while chambers fill ---------------------------------------------
+
+
+def held_for(since, until, why="a chamber leaks"):
+    """Let a rod follow at one instant, and not at another; say why it is held."""
+    watched = watch()
+    watched.check((0.0,), (0.0,), since, lambda: why)
+    watched.check((0.0,), (FOLLOWING + 1e-4,), until, lambda: why)
+
+
+def test_what_is_held_is_told_once_no_seal_lets_go_so_late():
+    held_for(1.0, 1.05 - 1e-6)
+    held_for(0.0, 0.05)
+    with pytest.raises(SafetyError, match=r"^a chamber leaks \[the pair stays 3.1 mm off its"):
+        held_for(0.0, 0.05 + 1e-6)
+    held_for(0.0, 0.2, None)  # nobody knows why: it has its time
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_nothing_moves_while_chambers_fill(sign):
+    watched = watch(names=("the rod of ch1", "the rod of ch2"))
+    home, away = (0.25, 0.5), sign * 2.0**-9
+    watched.check_still(home, (home[0] + away, home[1]))
+    bound = sign * FOLLOWING
+    with pytest.raises(LimitExceeded, match="way of the rod of ch2 while its chamber fills"):
+        watched.check_still(home, (home[0], home[1] + 1.01 * bound))
+    with pytest.raises(LimitExceeded) as told:
+        watched.check_still((0.0, 0.0), (2.0 * bound, 0.0))
+    fault = told.value
+    assert (fault.value, fault.lower, fault.upper) == (2.0 * bound, -FOLLOWING, FOLLOWING)
+    watched.check_still((0.0, 0.0), (bound, -bound))

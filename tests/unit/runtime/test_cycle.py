@@ -15,7 +15,7 @@ from loop_fakes import (
     FakeRecorder,
 )
 
-from rig.hal import DeviceFault, LoopStalled, StaleReading
+from rig.hal import DeviceFault, LimitExceeded, LoopStalled, SafetyError, StaleReading
 from rig.runtime import cycle as module
 from rig.runtime.cycle import Cycle
 from rig.runtime.loop import SAFE_CYCLES, Loop
@@ -112,6 +112,22 @@ def test_a_cycle_that_saw_a_fault_sends_nothing(monkeypatch):
         assert parts.bus.calls.count("transmit") == transmitted
     assert command == applied == 0.0
     assert [row[1:3] for _, _, row in parts.recorder.rows] == [(1.0, 0.0), (2.0, 1.0)]
+
+
+def test_what_does_not_follow_is_told_with_its_cause(monkeypatch):
+    parts = Parts(monkeypatch)
+    fault, cause = LimitExceeded("x", 2.0, -1.0, 1.0, "m"), SafetyError("a chamber leaks")
+
+    def step(*_):
+        raise fault
+
+    parts.run.step = step
+    told = []
+    parts.mechanism.explain = lambda error, state: told.append((error, state)) or cause
+    state = parts.cycle.sense(1.0, 0.0, None)
+    with pytest.raises(SafetyError) as caught:
+        parts.cycle.decide(1.0, state, 0)
+    assert (caught.value, told) == (cause, [(fault, state)])
 
 
 def test_a_row_has_the_time_at_which_its_state_was_read(monkeypatch):

@@ -117,6 +117,13 @@ def test_a_stop_in_the_approach_goes_on_along_its_path():
     assert references[4:] == [128.0, 128.0]
 
 
+def test_a_rig_is_watched_not_to_leave_its_place_while_it_is_energised_and_no_longer():
+    homes = []
+    run = Run(check_still=lambda self, home: homes.append(home))
+    run.go(10)
+    assert homes == [run.mechanism.reference_of(0.0)] * 4
+
+
 def test_a_stop_while_energising_lets_go_at_once():
     run = Run()
     gone = run.go(7, stop=2)

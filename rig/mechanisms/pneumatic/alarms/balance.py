@@ -83,6 +83,8 @@ class PullBalance:
 
     Parameters
     ----------
+    area : float
+        Effective piston area, m².
     mass : float
         That a pair moves, kg.
     friction : SealFriction
@@ -102,6 +104,7 @@ class PullBalance:
 
     def __init__(
         self,
+        area: float,
         mass: float,
         friction: SealFriction,
         pairs: Sequence[tuple[int, int]],
@@ -110,6 +113,7 @@ class PullBalance:
         moved: str,
         falling: float = 0.0,
     ) -> None:
+        self._area = area
         self._mass, self._friction, self._falling = mass, friction, falling
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
@@ -119,9 +123,9 @@ class PullBalance:
         """Forget the past: a new motion starts."""
         self._history.clear()
 
-    def note(self, now: float, rods: Sequence[float], pulls: Sequence[float]) -> None:
-        """Take a cycle's rods (m, run in) and the chambers' pulls as monitors have them, N."""
-        self._history.append((now, rods, pulls))
+    def note(self, now: float, rods: Sequence[float], pressures: Sequence[float]) -> None:
+        """Take a cycle's rods (m, run in) and what the monitors say, Pa gauge."""
+        self._history.append((now, rods, pressures))
 
     def explain(self, *, sticks: bool = False) -> str | None:
         """Return that a chamber has other air than its monitor says, or that somebody pushes.
@@ -147,10 +151,11 @@ class PullBalance:
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
         one, other = pair
         instants = []
-        for t, rods, pulls in self._history:
+        for t, rods, pressures in self._history:
             place = 0.5 * (rods[one] - rods[other])
-            falls = self._falling * sum(pulls) / len(pulls) * place
-            instants.append(Instant(t, place, pulls[one] - pulls[other] + falls))
+            falls = self._falling * place * sum(pressures) / len(pressures)
+            pull = self._area * (pressures[one] - pressures[other] + falls)
+            instants.append(Instant(t, place, pull))
         return missing_pull(instants, self._mass, self._friction, sticks=sticks)
 
 
