@@ -112,16 +112,7 @@ def controller_class(profile: Profile, name: str) -> Callable[..., AnyLaw]:
 
 
 def make_controller(profile: Profile, name: str) -> Any:
-    """Make a controller that a loop can run: `make_law`, compiled.
-
-    Raises
-    ------
-    ConfigurationError
-        The profile has no settings for it.
-    MotionRefused
-        It cannot be had here: a package that it needs is not installed, or the rig's settings
-        leave it no room.
-    """
+    """Make a controller that a loop can run: `make_law`, compiled."""
     made = make_law(profile, name)
     made.compile()
     return made
