@@ -29,6 +29,8 @@ _LOOPBACK = "127.0.0.1"
 _MOST_VIEWERS = 64
 _TO_OPEN = 5.0
 """Within which a page has to show its token, s."""
+_TO_LEAVE = 0.5
+"""What a page has, whose server was told to end, s: it asks again by itself."""
 _KERNEL_BUFFER = 256 << 10
 """Bytes that the system keeps for a page that does not read."""
 _LEAVES_AFTER = 60.0
@@ -97,7 +99,10 @@ class WatchServer:
         app.router.add_get("/favicon.ico", self._icon)
         app.router.add_get("/ws", self._socket)
         app.router.add_post("/stop", self._stop)
-        runner = web.AppRunner(app, access_log=None, handle_signals=False, keepalive_timeout=15.0)
+        runner = web.AppRunner(
+            app, access_log=None, handle_signals=False, keepalive_timeout=15.0,
+            shutdown_timeout=_TO_LEAVE,
+        )  # fmt: skip
         await runner.setup()
         await web.SockSite(runner, listener).start()
         started(port)

@@ -5,6 +5,7 @@ import json
 import os
 import random
 import re
+import signal
 import socket
 import struct
 import subprocess
@@ -16,7 +17,7 @@ import pytest
 from watched import LOCAL, served_folder, server_of, watched_run
 
 from rig.replaying.difference import first_difference
-from rig.run_folder import RunFolder
+from rig.run_folder import RunFolder, RunStatus
 
 aiohttp = pytest.importorskip("aiohttp", reason="pip install 'rig-controller[watch]'")
 
@@ -425,3 +426,23 @@ def test_the_page_of_a_run_that_was_killed_says_so(tmp_path):
 
     with served_folder(folder.path) as address:
         asked(work(address))
+
+
+def test_a_server_that_is_told_to_end_does_so_although_a_page_is_open(tmp_path):
+    folder = RunFolder.create(tmp_path, "ended", "sim", inputs={"profile.yaml": "no: profile"})
+    folder.finish(RunStatus.OK, 0)
+
+    async def look_on(address, server):
+        here, _, token = address.partition("/#")
+        async with aiohttp.ClientSession() as session:
+            page = await session.ws_connect(f"{here}/ws", origin=here)
+            await page.send_json({"type": "open", "token": token})
+            assert (await page.receive(WAIT)).json()["type"] == "hello"
+            os.kill(server, signal.SIGTERM)
+            begun = time.monotonic()
+            while (await page.receive(WAIT)).type is aiohttp.WSMsgType.TEXT:
+                pass
+            return time.monotonic() - begun
+
+    with served_folder(folder.path) as address:
+        assert asked(look_on(address, server_of(folder.path))) < 5.0
