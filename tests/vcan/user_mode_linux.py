@@ -55,7 +55,7 @@ class CannotBoot(Exception):
     """User-mode Linux died before its first process did anything."""
 
 
-def run_inside(command: list[str], folder: Path, time_limit: float) -> int | None:
+def run_inside(command: list[str], folder: Path, time_limit: float, processor: int) -> int | None:
     """Run a command inside; its output comes through as it is written.
 
     Parameters
@@ -67,6 +67,8 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
         Where it runs.
     time_limit : float
         After this the kernel is ended, s.
+    processor : int
+        Of the host, on which it runs.
 
     Returns
     -------
@@ -123,7 +125,7 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
             start_new_session=True,
             preexec_fn=_die_with_parent,  # noqa: PLW1509 - this program has one thread
         )  # fmt: skip
-        _come_first(booted.pid)
+        _come_first(booted.pid, processor)
         try:
             _follow(booted, out, code, time_limit)
             died = booted.poll() is not None
@@ -155,15 +157,15 @@ def _round_times(folder: Path) -> None:
             os.utime(path, (seconds, seconds))
 
 
-def _come_first(pid: int) -> None:
-    """Have the kernel run before everything else on one of the host's processors, if permitted.
+def _come_first(pid: int, processor: int) -> None:
+    """Have the kernel run before everything else on this processor of the host, if permitted.
 
     Real-time tests inside must not fail because something else is busy outside. The guest's one
     processor sleeps whenever its programs do. It is several processes, of which one works at a
     time: spread over processors that are idle, half of the time goes into waking them.
     """
     with contextlib.suppress(OSError):
-        os.sched_setaffinity(pid, {max(os.sched_getaffinity(0))})
+        os.sched_setaffinity(pid, {processor})
     with contextlib.suppress(OSError):
         os.sched_setscheduler(pid, os.SCHED_FIFO, os.sched_param(1))
 
