@@ -92,6 +92,7 @@ def survey_canopen(
     _listen(bus, clock, heard, until)
     if not heard.in_use:
         _wake_and_ask(bus, clock, heard, tuple(node for node in expected if node not in silent))
+    _ask_twins_again(bus, clock, heard)
     asked = {node for node, objects in heard.objects.items() if any(objects.values())}
     return [_describe(node, heard) for node in sorted({*asked, *heard.states})]
 
@@ -121,6 +122,22 @@ def _wake_and_ask(bus: FastCanBus, clock: Clock, heard: _Heard, nodes: tuple[int
     _ask(bus, clock, heard, nodes, _DEVICE_TYPE)
     for node, answers in before.items():
         if len(answers) > len(heard.objects[node][_DEVICE_TYPE]):
+            heard.objects[node][_DEVICE_TYPE] = answers
+
+
+def _ask_twins_again(bus: FastCanBus, clock: Clock, heard: _Heard) -> None:
+    """Ask once more who answered twice: one may be a late answer to the question before.
+
+    Two devices with one number answer twice again.
+    """
+    before = {
+        node: objects.pop(_DEVICE_TYPE)
+        for node, objects in heard.objects.items()
+        if len(objects[_DEVICE_TYPE]) > 1
+    }
+    _ask(bus, clock, heard, tuple(before), _DEVICE_TYPE)
+    for node, answers in before.items():
+        if not heard.objects[node][_DEVICE_TYPE]:
             heard.objects[node][_DEVICE_TYPE] = answers
 
 

@@ -123,3 +123,30 @@ def test_a_twin_that_hears_and_never_speaks_is_nobody():
     """What sends nothing cannot be found by anything that is asked: the limit of every survey."""
     ((found,), _) = survey(Node(REGULATORS), Node(REGULATORS, speaks=False))
     assert found.answers == 1
+
+
+class LateNode(Node):
+    """A device, or its computer, that is busy when it is asked for the first time."""
+
+    def __init__(self, number, late):
+        super().__init__(number)
+        self.late, self.held = late, []
+
+    def receive(self, can_id, data):
+        answers = list(super().receive(can_id, data) or ())
+        if can_id == 0x600 + self.number and not self.held:
+            self.held = answers
+            return
+        yield from answers
+
+    def beat(self):
+        self.late -= 0.1
+        if self.held and abs(self.late) < 0.05:
+            yield from self.held
+        yield from super().beat()
+
+
+@pytest.mark.parametrize("late", [0.3, 0.4, 0.5, 0.6, 0.7, 0.8])
+def test_a_late_answer_to_the_first_question_is_no_second_device(late):
+    ((found,), _) = survey(LateNode(REGULATORS, late))
+    assert (found.answers, found.serials) == (1, (1,))
