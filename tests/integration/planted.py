@@ -99,18 +99,18 @@ def stop_not_wired(rig, chance):
     node._digital_input.refresh = node._read_contacts
 
 
-def _with_port(rig, make):
+def with_port(rig, make):
     node = module(rig)
     plant = node._port
     node._port = Port(plant, **make(plant))
 
 
 def supply_stays_shut(rig, chance):
-    _with_port(rig, lambda plant: {"set_supply": lambda open: plant.set_supply(False)})
+    with_port(rig, lambda plant: {"set_supply": lambda open: plant.set_supply(False)})
 
 
 def supply_stays_open(rig, chance):
-    _with_port(rig, lambda plant: {"set_supply": lambda open: plant.set_supply(True)})
+    with_port(rig, lambda plant: {"set_supply": lambda open: plant.set_supply(True)})
     rig.clock.world.plant.set_supply(True)
 
 
@@ -118,7 +118,7 @@ def no_dump_valve(rig, chance):
     def stays(plant):
         return {"set_supply": lambda open: plant.set_supply(True) if open else None}
 
-    _with_port(rig, stays)
+    with_port(rig, stays)
 
 
 def watchdog_off(rig, chance):
@@ -128,7 +128,7 @@ def watchdog_off(rig, chance):
 def setpoints_swapped(rig, chance):
     count = len(rig.clock.world.plant.channel_names)
     shift = chance.randrange(1, count)
-    _with_port(rig, lambda plant: {
+    with_port(rig, lambda plant: {
         "set_pressure_setpoint": lambda k, p: plant.set_pressure_setpoint(other(k, count, shift), p)
     })  # fmt: skip
 
@@ -136,7 +136,7 @@ def setpoints_swapped(rig, chance):
 def monitors_swapped(rig, chance):
     count = len(rig.clock.world.plant.channel_names)
     shift = chance.randrange(1, count)
-    _with_port(rig, lambda plant: {"pressure": lambda k: plant.pressure(other(k, count, shift))})
+    with_port(rig, lambda plant: {"pressure": lambda k: plant.pressure(other(k, count, shift))})
 
 
 def tubes_swapped(rig, chance):
@@ -180,7 +180,7 @@ def setpoint_scale(rig, chance):
 
         return {"set_pressure_setpoint": put}
 
-    _with_port(rig, scaled)
+    with_port(rig, scaled)
 
 
 def monitor_scale(rig, chance):
@@ -189,7 +189,7 @@ def monitor_scale(rig, chance):
     def scaled(plant):
         return {"pressure": lambda k: plant.pressure(k) * (factor if k == channel else 1.0)}
 
-    _with_port(rig, scaled)
+    with_port(rig, scaled)
 
 
 def sticky_valve(rig, chance):

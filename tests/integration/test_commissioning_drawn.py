@@ -1,9 +1,23 @@
 """The first motion of healthy rigs that differ from the shipped one, and of slow regulators."""
 
+import random
+
 import pytest
 from drawn_rigs import drawn_pair
-from planted import PLANTED
-from test_commissioning import find, perform, unit
+from planted import (
+    PLANTED,
+    encoders_swapped,
+    leaking_fitting,
+    monitor_scale,
+    monitors_swapped,
+    no_dump_valve,
+    setpoints_swapped,
+    supply_stays_open,
+    tubes_swapped,
+    watchdog_off,
+    with_port,
+)
+from test_commissioning import ENOUGH, find, perform, unit
 
 from rig.assembly import REGISTRY
 from rig.commissioning.session import steps_of
@@ -79,3 +93,77 @@ def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
 @pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
 def test_a_defect_is_found_on_regulators_as_sold(tmp_path, plant):
     find(tmp_path, "cylinder", plant, 1)
+
+
+ON_VALVES = {
+    setpoints_swapped: ("supply", "setpoint wires swapped"),
+    monitors_swapped: ("supply", "monitor wires swapped"),
+    monitor_scale: ("", "wrong scale of its monitor"),
+    tubes_swapped: ("actuators", "tubes swapped"),
+    supply_stays_open: ("supply", "does not shut"),
+    no_dump_valve: ("supply", "dump valve"),
+    watchdog_off: ("master", "watchdog is off"),
+    encoders_swapped: ("sensors", "encoders swapped"),
+    leaking_fitting: ("leak", "soap water bubbles"),
+}
+"""A loop that turns the wrong valve would open it to the end: it is stopped before."""
+
+
+def find_on_valves(tmp_path, plant, seed):
+    step, words = ON_VALVES[plant]
+    stopped, _, seen = perform(tmp_path, unit("cylinder-valves", seed), plant, seed)
+    assert stopped is not None, "nothing was found"
+    assert stopped.startswith(step)
+    assert words in stopped
+    assert seen["pressure"] <= ENOUGH["pressure"], seen
+    assert seen["way"] <= ENOUGH["way"], seen
+
+
+@pytest.mark.parametrize("plant", [setpoints_swapped, watchdog_off], ids=lambda its: its.__name__)
+def test_a_valve_that_another_loop_turns_is_shut_in_time(tmp_path, plant):
+    find_on_valves(tmp_path, plant, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("plant", ON_VALVES, ids=lambda its: its.__name__)
+def test_a_defect_is_found_on_valves(tmp_path, plant, seed):
+    find_on_valves(tmp_path, plant, seed)
+
+
+def spool_goes(factor, channel):
+    """Return a defect: the signal of a spool moves it so much further."""
+
+    def plant(rig, chance):
+        def scaled(port):
+            put = port.set_pressure_setpoint
+            return {
+                "set_pressure_setpoint": lambda k, opening: put(
+                    k, opening * (factor if k == channel else 1.0)
+                )
+            }
+
+        with_port(rig, scaled)
+
+    return plant
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_a_spool_whose_signal_is_scaled_lets_in_less_than_20_kpa(tmp_path, seed):
+    chance = random.Random(f"spool {seed}")
+    plant = spool_goes(chance.uniform(0.4, 2.5), chance.randrange(2))
+    stopped, _, seen = perform(
+        tmp_path, unit("cylinder-valves", seed), plant, seed, skip=("first-motion",)
+    )
+    assert seen["pressure"] <= ENOUGH["pressure"], f"{seen}: {stopped}"
+    assert stopped is None or "wrong scale of its setpoint" in stopped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [2.3, 2.5])
+def test_a_spool_whose_signal_is_far_too_large_is_found(tmp_path, factor):
+    stopped, _, seen = perform(tmp_path, unit("cylinder-valves", 1), spool_goes(factor, 0), 1)
+    assert stopped is not None
+    assert "wrong scale of its setpoint" in stopped
+    assert seen["pressure"] <= ENOUGH["pressure"]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import inf
 from typing import Final, NamedTuple
 
 from rig.assembly import REGISTRY, Rig
@@ -12,7 +13,11 @@ from rig.commissioning.step import Defect
 from rig.hal import DevicePicker, LinearEncoder, PressureRegulator, Vector
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
-from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating_kind
+from rig.mechanisms.pneumatic.valves.regulating import (
+    ValveRegulators,
+    as_regulators,
+    regulating_kind,
+)
 
 LOWEST: Final = 8e3
 """Setpoint of the first steps, Pa gauge: less than 20 kPa even from a regulator whose scale is
@@ -20,8 +25,8 @@ wrong by a factor of two."""
 LEVELS: Final = (LOWEST, 11e3, 14e3, 17e3)
 """Setpoints until monitors answer, Pa gauge. A regulator holds some kPa at least and has
 hysteresis, so the first may not move it; one whose scale is twice too large answers there."""
-HIGHER: Final = 14e3
-"""What all chambers are asked for in a step from the lowest, Pa gauge."""
+LEVELS_OF_LOOPS: Final = (5e3, *LEVELS)
+"""The same of loops around valves, which have no hysteresis and overshoot, Pa gauge."""
 SEEN: Final = 2e3
 """Least rise of a monitor that is one, Pa: well above noise and hysteresis."""
 _MUCH: Final = 0.6
@@ -30,6 +35,13 @@ SETTLE: Final = 1.0
 """Until a setpoint is reached, s."""
 _AVERAGED: Final = 0.2
 """Over so long a monitor is averaged, s."""
+_STEEPEST: Final = 100e3
+"""Pressures of loops around valves rise so fast at most, Pa/s: a spool whose signal is too large
+overshoots a step by more than the step itself."""
+
+_BEYOND: Final = 6e3
+"""So much more than asked for no chamber of a loop around a valve shows, Pa, unless the loop turns
+the wrong valve: it would open it to the end."""
 
 
 class Climbed(NamedTuple):
@@ -55,6 +67,8 @@ class Chambers:
     ----------
     zeros : tuple of float
         Means of the monitors, vented, Pa gauge.
+    levels : tuple of float
+        Setpoints until monitors answer, Pa gauge.
     """
 
     def __init__(self, bench: StepBench, regulators: PressureRegulator) -> None:
@@ -62,7 +76,13 @@ class Chambers:
         self.regulators = regulators
         self.zeros: Vector = ()
         self._asked: Vector = (regulators.pressure_range[0],) * len(regulators.channels)
-        bench.each_cycle = lambda: regulators.set_pressure(self._asked)
+        self._wanted = self._asked
+        per_cycle = _STEEPEST * bench.rig.profile.loop.period
+        self._is_loop = isinstance(regulators, ValveRegulators)
+        self._rise = per_cycle if self._is_loop else inf
+        self.levels = LEVELS_OF_LOOPS if self._is_loop else LEVELS
+        self._highest = self.levels[0]
+        bench.each_cycle = self._give
 
     @property
     def rig(self) -> Rig:
@@ -70,13 +90,40 @@ class Chambers:
         return self.bench.rig
 
     def ask(self, pressures: Sequence[float]) -> None:
-        """Give setpoints from the next cycle on, Pa gauge."""
-        self._asked = tuple(pressures)
+        """Give setpoints in one step from the next cycle on, Pa gauge."""
+        self._asked = self._wanted = tuple(pressures)
+        self._highest = max(self.levels[0], *pressures)
 
     def set(self, pressures: Sequence[float], duration: float = SETTLE) -> None:
-        """Give setpoints, Pa gauge, for so long, s."""
-        self.ask(pressures)
+        """Give setpoints, Pa gauge, for so long, s; see `_STEEPEST`."""
+        self._wanted = tuple(pressures)
+        self._highest = max(self.levels[0], *pressures)
         self.bench.run(duration)
+
+    def _give(self) -> None:
+        """Give this cycle's setpoints."""
+        self._asked = tuple(
+            min(wanted, asked + self._rise)
+            for wanted, asked in zip(self._wanted, self._asked, strict=True)
+        )
+        if self._is_loop and self.zeros:
+            self._look_for_another_valve()
+        self.regulators.set_pressure(self._asked)
+
+    def _look_for_another_valve(self) -> None:
+        """Raise if a chamber fills further than any was asked to."""
+        shown = self.regulators.pressure().value
+        for channel, pressure, zero in zip(
+            self.regulators.channels, shown, self.zeros, strict=True
+        ):
+            beyond = pressure - zero - self._highest
+            if beyond > _BEYOND:
+                raise Defect(
+                    channel,
+                    f"its pressure goes {beyond / 1e3:.1f} kPa beyond what was asked for: setpoint "
+                    "wires swapped, monitor wires swapped, wrong scale of its monitor, or wrong "
+                    "scale of its setpoint",
+                )
 
     def set_all(self, pressure: float, duration: float = SETTLE) -> None:
         """Give every chamber the same setpoint, so that forces balance; see `set`."""
@@ -88,7 +135,7 @@ class Chambers:
         A setpoint whose scale is too large stays so where it was first seen.
         """
         setpoints, rises = [0.0] * len(self.zeros), (0.0,) * len(self.zeros)
-        for level in LEVELS:
+        for level in self.levels:
             setpoints = [
                 before if rise > _MUCH * before > 0.0 else level
                 for before, rise in zip(setpoints, rises, strict=True)
@@ -132,6 +179,15 @@ class Chambers:
         self.bench.run(_AVERAGED, look)
         return tuple(sum(column) / len(rows) for column in zip(*rows, strict=True))
 
+    def watch(self, duration: float) -> list[tuple[float, Vector]]:
+        """Return what the monitors show for so long: the time since then (s), and Pa gauge."""
+        start = self.bench.now
+        rows: list[tuple[float, Vector]] = []
+        while self.bench.now - start < duration:
+            self.bench.cycle()
+            rows.append((self.bench.now - start, self.regulators.pressure().value))
+        return rows
+
     def have_fallen(self, share: float, tops: Vector) -> Callable[[], bool]:
         """Return what tells whether every monitor has lost all but a share of its rise."""
 
@@ -139,6 +195,11 @@ class Chambers:
             return self.below(self.regulators.pressure().value, share, tops)
 
         return fallen
+
+    def above(self, pressures: Vector, tops: Vector) -> bool:
+        """Return whether a pressure has risen well beyond an earlier rise."""
+        found = zip(pressures, self.zeros, tops, strict=True)
+        return any(p - zero > top + SEEN for p, zero, top in found)
 
     def below(self, pressures: Vector, share: float, tops: Vector) -> bool:
         """Return whether pressures are all but a share of their rises down again."""

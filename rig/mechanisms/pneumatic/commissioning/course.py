@@ -9,10 +9,11 @@ from rig.commissioning.steps.load import Load
 from rig.commissioning.steps.motion import FirstMotion
 from rig.commissioning.steps.reactions import CablePulled, MasterDies, StopReaction
 from rig.commissioning.steps.stop import EmergencyStopContact
-from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, ResponseTimes
+from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone
 from rig.mechanisms.pneumatic.commissioning.ends import RodsToTheirEnds
 from rig.mechanisms.pneumatic.commissioning.leak import LeaksOfChambers
 from rig.mechanisms.pneumatic.commissioning.reactions import REACTING
+from rig.mechanisms.pneumatic.commissioning.response import ResponseTimes
 from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
 from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
 from rig.mechanisms.pneumatic.settings import PneumaticSettings

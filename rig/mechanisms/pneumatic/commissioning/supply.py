@@ -15,7 +15,7 @@ class SupplyAndDump(AcceptanceStep):
     """The supply valve is kept shut, opened, and shut again, with setpoints that stay."""
 
     name = "supply"
-    does = "Every chamber is asked for 8 to 17 kPa with the supply shut, open, and shut again."
+    does = "Every chamber is asked for 5 to 17 kPa with the supply shut, open, and shut again."
     expects = "Pressure comes with the supply alone, and leaves by the dump valve when it shuts."
 
     def perform(self, site: Site) -> StepResult:
