@@ -5,8 +5,9 @@ from pathlib import Path
 
 from drivers.can.device_settings import CanDeviceSettings
 from drivers.canopen.described import DescribedNode
-from drivers.canopen.mapping import layout_size
+from drivers.canopen.mapping import MappedObjects, layout_size
 from rig.hal import DeviceFile, DriverSettings
+from rig.hal.driver import Keys, Scalar
 
 
 class CanopenDeviceSettings(CanDeviceSettings):
@@ -39,6 +40,19 @@ class CanopenDeviceSettings(CanDeviceSettings):
         """
         return {}
 
+    @staticmethod
+    def mapped_settings(plain: Mapping[str, object], objects: MappedObjects) -> dict[Keys, Scalar]:
+        """Return the settings by which a device exchanges what it has, by their keys.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings of a device like it.
+        objects : MappedObjects
+            What it can exchange.
+        """
+        return {}
+
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return every PDO that is exchanged with each SYNC: names and bytes."""
         return tuple(
@@ -68,7 +82,7 @@ class CanopenDeviceSettings(CanDeviceSettings):
         """
         from drivers.canopen.eds_check import EdsFile
 
-        return EdsFile(path, cls.typed_objects, nodes_of)
+        return EdsFile(path, cls.typed_objects, nodes_of, cls.mapped_settings)
 
 
 def nodes_of(device: str, settings: DriverSettings) -> tuple[DescribedNode, ...]:

@@ -6,11 +6,12 @@ from typing import Final, NamedTuple
 
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.eds import EdsObject, read_eds
-from drivers.canopen.mapping import SIZES, Entry, Layout
+from drivers.canopen.mapping import MAX_PDOS, SIZES, Entry, Layout, MappedObjects
 from rig.hal import DeviceFile, DriverSettings
-from rig.hal.driver import Keys, Scalar
+from rig.hal.driver import FileIdentity, Keys, Scalar
 
 Typed = Callable[[Mapping[str, object]], Mapping[tuple[str, ...], tuple[int, int]]]
+Mapped = Callable[[Mapping[str, object], MappedObjects], Mapping[Keys, Scalar]]
 Nodes = Callable[[str, DriverSettings], tuple[DescribedNode, ...]]
 
 _CAN_BE_SENT: Final = ("ro", "rw", "rwr", "const")
@@ -50,6 +51,8 @@ class EdsFile(DeviceFile):
         every object whose type is a setting, by the keys of that setting.
     nodes : callable
         ``nodes(device, settings)`` returns what the settings want of each node.
+    mapped : callable
+        ``mapped(plain, objects)`` returns the settings by which objects are exchanged.
 
     Raises
     ------
@@ -57,10 +60,39 @@ class EdsFile(DeviceFile):
         The file cannot be read or understood.
     """
 
-    def __init__(self, path: Path, typed: Typed, nodes: Nodes) -> None:
+    def __init__(self, path: Path, typed: Typed, nodes: Nodes, mapped: Mapped) -> None:
         self.eds = read_eds(path)
         self._typed = typed
         self._nodes = nodes
+        self._mapped = mapped
+
+    def identity(self) -> FileIdentity:
+        """See `DeviceFile.identity`; a number of 0 says nothing."""
+        vendor, product = (
+            self.eds.device_number(key, 0) or None for key in ("VendorNumber", "ProductNumber")
+        )
+        kind = self.eds.number_of(0x1000, 0, 0)
+        return FileIdentity(vendor, product, None if kind is None else kind & 0xFFFF)
+
+    def mapped(self, plain: Mapping[str, object]) -> Mapping[Keys, Scalar]:
+        """See `DeviceFile.mapped`."""
+        fixed = self._is_fixed(0x1600) is not False and self._is_fixed(0x1A00) is not False
+        if fixed:
+            receive, transmit = (
+                tuple(entry for number in range(MAX_PDOS) for entry in self._entries(base + number))
+                for base in (0x1600, 0x1A00)
+            )
+        else:
+            can = [found for found in self.eds.objects() if found.mappable and found.type in SIZES]
+            receive, transmit = (
+                tuple(
+                    Entry(found.object, found.sub, found.type)
+                    for found in sorted(can, key=lambda found: (found.object, found.sub))
+                    if found.access in access
+                )
+                for access in (_CAN_BE_RECEIVED, _CAN_BE_SENT)
+            )
+        return self._mapped(plain, MappedObjects(fixed, receive, transmit))
 
     def values(self, plain: Mapping[str, object]) -> dict[tuple[str, ...], Scalar]:
         """Return the settings that the file knows, by their keys.
@@ -203,6 +235,14 @@ class EdsFile(DeviceFile):
             return None
         used = known if number is None else known[:number]
         return [code for code in used if code]
+
+    def _entries(self, mapping: int) -> Iterator[Entry]:
+        """Yield the objects that a PDO carries as shipped, as far as their types are known."""
+        for code in self._default_mapping(mapping) or ():
+            index, sub = code >> 16, code >> 8 & 0xFF
+            kind = self.eds.type_of(index, sub)
+            if kind is not None:
+                yield Entry(index, sub, kind)
 
     def _at(self, found: EdsObject) -> str:
         return f"({self.eds.path}:{found.line})"

@@ -63,6 +63,22 @@ Layout = tuple[Entry, ...]
 """The objects of one PDO, in order."""
 
 
+class MappedObjects(NamedTuple):
+    """The objects that a device can exchange in PDOs, as its EDS says.
+
+    Attributes
+    ----------
+    is_fixed : bool
+        These, in this order, and no others: its mapping cannot be written.
+    receive, transmit : tuple of Entry
+        What it takes and sends.
+    """
+
+    is_fixed: bool
+    receive: Layout
+    transmit: Layout
+
+
 def pack(entries: Iterable[Entry], first: int = 1) -> tuple[Layout, ...]:
     """Lay objects into as few PDOs as their order permits.
 

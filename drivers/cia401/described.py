@@ -1,9 +1,10 @@
 """What a CiA 401 module exchanges, as data: for decoding, and for its EDS."""
 
 from collections.abc import Iterable, Mapping
+from itertools import product
 
 from drivers.canopen.described import Quantity
-from drivers.canopen.mapping import Entry
+from drivers.canopen.mapping import Entry, MappedObjects
 from drivers.cia401.channel_settings import (
     DIGITAL_INPUT,
     DIGITAL_OUTPUT,
@@ -11,7 +12,7 @@ from drivers.cia401.channel_settings import (
     Channel,
     RegulatorChannel,
 )
-from rig.hal.driver import Keys
+from rig.hal.driver import Keys, Scalar
 
 
 def describe_channels(
@@ -105,3 +106,47 @@ def _valves(bits: Iterable[tuple[str, int]]) -> Quantity:
         "valves",
         words=lambda byte: ", ".join(f"{name} {words[byte >> bit & 1]}" for name, bit in valves),
     )
+
+
+def mapped_settings(plain: Mapping[str, object], objects: MappedObjects) -> dict[Keys, Scalar]:
+    """Return the objects of the channels from what a module takes and sends.
+
+    A channel keeps the object that it has in a module like it, if there is such a one; of a mapping
+    that is fixed the channels take the objects in their order.
+
+    Parameters
+    ----------
+    plain : mapping
+        The entry of a device like it in a profile.
+    objects : MappedObjects
+        What it can exchange.
+    """
+    found: dict[Keys, Scalar] = {}
+    channels = plain.get("channels")
+    names = list(channels) if isinstance(channels, Mapping) else []
+    sides = {
+        side: [entry for entry in entries if entry.object == usual]
+        for side, usual, entries in (
+            ("setpoint", 0x6411, objects.receive),
+            ("monitor", 0x6401, objects.transmit),
+        )
+    }
+    if any(len(left) < len(names) for left in sides.values()):
+        return {}
+    sent = {(entry.object, entry.sub) for entry in objects.transmit}
+    for name, (side, left) in product(names, sides.items()):
+        own = _sub_of(channels, name, side)
+        entry = next((e for e in left if e.sub == own and not objects.is_fixed), left[0])
+        left.remove(entry)
+        found["channels", name, side, "sub"] = entry.sub
+        found["channels", name, side, "type"] = entry.type
+    outputs = [(0x6411, value) for keys, value in found.items() if keys[2:] == ("setpoint", "sub")]
+    if objects.is_fixed or plain.get("echo"):
+        found["echo",] = all(output in sent for output in outputs)
+    return found
+
+
+def _sub_of(channels: object, name: str, side: str) -> object:
+    channel = channels.get(name) if isinstance(channels, Mapping) else None
+    signal = channel.get(side) if isinstance(channel, Mapping) else None
+    return signal.get("sub") if isinstance(signal, Mapping) else None

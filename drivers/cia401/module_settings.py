@@ -11,7 +11,7 @@ from drivers.canopen.mapping import Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, Channel
-from drivers.cia401.described import describe_channels, typed_objects
+from drivers.cia401.described import describe_channels, mapped_settings, typed_objects
 from rig.hal import Address, ConfigurationError
 from rig.hal.rules import Rules
 
@@ -144,6 +144,7 @@ class ModuleSettings(NodeSettings):
         return (Address(device, self.node, PROFILE, self.vendor, self.product, serial),)
 
     typed_objects = staticmethod(typed_objects)
+    mapped_settings = staticmethod(mapped_settings)
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what the module exchanges and what its counts mean."""

@@ -7,12 +7,13 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
-from drivers.canopen.mapping import DataTypeName, Entry, Layout, pack
+from drivers.canopen.mapping import DataTypeName, Entry, Layout, MappedObjects, pack
 from drivers.canopen.node_settings import NodeSettings
 from rig.hal import Address
-from rig.hal.driver import Keys
+from rig.hal.driver import Keys, Scalar
 from rig.hal.rules import Rules
 
+_POSITIONS, _SPEED, _ALARMS = (0x6004, 0x6020), 0x6030, 0x6503
 PROFILE: Final = 406
 """CiA's number of the device profile."""
 
@@ -126,7 +127,7 @@ class Cia406Settings(NodeSettings):
         if self.speed is not None:
             entries.append(Entry(self.speed.index, self.speed.sub, self.speed.type))
         if self.alarms == "mapped":
-            entries.append(Entry(0x6503, 0, "u16"))
+            entries.append(Entry(_ALARMS, 0, "u16"))
         return tuple(entries)
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
@@ -147,6 +148,25 @@ class Cia406Settings(NodeSettings):
                 index, sub = written.get("index", usual[0]), written.get("sub", usual[1])
                 if isinstance(index, int) and isinstance(sub, int):
                     found[key, "type"] = index, sub
+        return found
+
+    @staticmethod
+    def mapped_settings(plain: Mapping[str, object], objects: MappedObjects) -> dict[Keys, Scalar]:
+        """Return where position, speed and alarms are, from what an encoder can send."""
+        sent = objects.transmit
+        position = next((its for its in sent if its.object in _POSITIONS), None)
+        if position is None:
+            return {}
+        found: dict[Keys, Scalar] = {
+            ("position", key): value for key, value in _place(position).items()
+        }
+        speed = next((its for its in sent if its.object == _SPEED), None)
+        if speed is None:
+            found["speed",] = None
+        else:
+            found |= {("speed", key): value for key, value in _place(speed).items()}
+        alarms = any(its.object == _ALARMS for its in sent)
+        found["alarms",] = "mapped" if alarms else "polled"
         return found
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
@@ -182,3 +202,7 @@ class Cia406Settings(NodeSettings):
                 contents=("", "position"),
             ),
         )
+
+
+def _place(entry: Entry) -> dict[str, int | str]:
+    return {"index": entry.object, "sub": entry.sub, "type": entry.type}

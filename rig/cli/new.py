@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from rig.cli.names import configs_option
+from rig.cli.names import OneOf, configs_option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +21,7 @@ _KINDS = ("experiment", "rig", *_PACKAGES)
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(_KINDS))
+@click.argument("kind", type=OneOf(_KINDS))
 @click.argument("name")
 @click.option("--rig", help="Of an experiment: whose it is. Default: cylinder.")
 @click.option("--like", metavar="NAME", help="The experiment or rig to begin with.")
@@ -32,6 +32,10 @@ _KINDS = ("experiment", "rig", *_PACKAGES)
     metavar="INTERFACES",
     help="Of a rig: with what answers there, e.g. can0 or /dev/ttyUSB0.",
 )
+@click.option(
+    "--eds", metavar="FILE", multiple=True,
+    help="With --scan: the EDS of a device that answers, whose objects and mapping are taken.",
+)  # fmt: skip
 @click.option("--tip", metavar="LINK", help="With --urdf: the link that is the tool.")
 @configs_option
 def new(
@@ -42,6 +46,7 @@ def new(
     urdf: str | None,
     dh: str | None,
     scan: str | None,
+    eds: tuple[str, ...],
     tip: str | None,
     configs: Path | None,
 ) -> int:
@@ -54,7 +59,8 @@ def new(
     the dimensions, ranges and speeds of a six-joint arm with a spherical wrist; what else it is
     made of is refused with the reason. A rig from --scan has the node numbers and identities of
     whoever answers, for the devices of --like, on CAN and on serial chains, and this computer's
-    cameras; who is like none of them is written as comments. Nothing is changed on the buses.
+    cameras; with --eds what those devices map. Who is like none of them is written as comments.
+    Nothing is changed on the buses.
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
@@ -69,6 +75,8 @@ def new(
         raise click.UsageError("a rig is made from one of --urdf, --dh, --rig and --like")
     if scan is not None and (kind != "rig" or drawn):
         raise click.UsageError("--scan is for a rig, with --like or --rig")
+    if eds and scan is None:
+        raise click.UsageError("--eds goes with --scan, which says whose file it is")
     if tip is not None and urdf is None:
         raise click.UsageError("--tip names a link of --urdf")
     notes: tuple[str, ...] = ()
@@ -78,7 +86,7 @@ def new(
         package = cast("PackageKind", kind)
         write_files(Path(name), package_files(package, name))
         following = [
-            f"pip install -e ./{name}",
+            f"pip install -e './{name}[test]'",
             f"cd {name} && rig run {first_experiment(package, name)} --on sim",
             f"cd {name} && pytest tests",
         ]
@@ -94,7 +102,7 @@ def new(
             text, notes = _drawn(name, *drawn[0], tip)
             following = [f"rig check {file}", f"rig run arm-tour --on sim --rig {file}"]
         elif scan is not None:
-            text, notes = _scanned(name, like or rig or "cylinder", scan, search)
+            text, notes = _scanned(name, like or rig or "cylinder", scan, search, eds)
             following = [f"rig check {file} --on {scan}", f"rig status {file}"]
         else:
             text = profile_text(name, like or rig or "cylinder", search)
@@ -118,10 +126,12 @@ def _drawn(name: str, form: str, file: str, tip: str | None) -> DrawnProfile:
     return REGISTRY.drawing(form)(name, Path(file), tip)
 
 
-def _scanned(name: str, like: str, on: str, search: Sequence[Path]) -> DrawnProfile:
+def _scanned(
+    name: str, like: str, on: str, search: Sequence[Path], eds: Sequence[str]
+) -> DrawnProfile:
     """Return the profile of whoever answers."""
     from rig.scaffolding.scanned import scanned_profile
 
     if on in ("sim", "virtual"):
         raise click.BadParameter(f"{on} has no bus that could be asked.", param_hint="--scan")
-    return scanned_profile(name, like, on, search)
+    return scanned_profile(name, like, on, search, [Path(file) for file in eds])

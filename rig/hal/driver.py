@@ -50,8 +50,38 @@ Scalar = str | int | float | bool | None
 """One value of a profile."""
 
 
+class FileIdentity(NamedTuple):
+    """Whose file a device's own description file is; None where it does not say.
+
+    Attributes
+    ----------
+    vendor, product : int or None
+        Numbers of both.
+    profile : int or None
+        Number of the CiA device profile.
+    """
+
+    vendor: int | None
+    product: int | None
+    profile: int | None
+
+
 class DeviceFile(Protocol):
     """A device's own description file (``eds:``)."""
+
+    def identity(self) -> FileIdentity:
+        """Return whose file it is."""
+        return FileIdentity(None, None, None)
+
+    def mapped(self, plain: Mapping[str, object]) -> Mapping[Keys, Scalar]:
+        """Return the settings by which the device exchanges what it can, by their keys.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings of a device like it.
+        """
+        return {}
 
     def values(self, plain: Mapping[str, object]) -> Mapping[tuple[str, ...], Scalar]:
         """Return the settings that the file knows, by their keys.

@@ -18,6 +18,7 @@ from rig.config import Profile, load_profile
 from rig.hal import Address, ConfigurationError, DeviceError
 from rig.hal.drawn_profile import DrawnProfile
 from rig.hal.frames import Found
+from rig.scaffolding.eds_sheets import EdsSheet, sheet_of
 from rig.scaffolding.files import commented_lines
 from rig.scaffolding.seen_cameras import SeenCamera, seen_cameras
 
@@ -65,7 +66,9 @@ def _is_like(its: Address, found: Found) -> bool:
     return found.answers > 0 and (its.profile is None or its.profile == found.profile)
 
 
-def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> DrawnProfile:
+def scanned_profile(
+    name: str, like: str, on: str, search: Sequence[Path], eds: Sequence[Path] = ()
+) -> DrawnProfile:
     """Return a profile of the devices that answer on CAN interfaces; nothing is changed on them.
 
     Parameters
@@ -77,11 +80,13 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
         as ``/dev/ttyUSB0``; ``hardware``: those that the other rig names.
     search : sequence of Path
         Folders of configurations.
+    eds : sequence of Path
+        EDS files, each of whoever answers with its identity: what is mapped is theirs.
 
     Raises
     ------
     ConfigurationError
-        There is no such rig, or it has no such interfaces.
+        There is no such rig, it has no such interfaces, or an EDS cannot be read.
     ConnectionFailed
         An interface is missing or down.
     DeviceError
@@ -99,8 +104,15 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
             if item.answers > 1 or len(item.serials) > 1:
                 count = max(item.answers, len(item.serials))
                 raise DeviceError(bus, f"{count} devices have the number 0x{item.node:02X}")
+    sheets = [EdsSheet(path) for path in eds]
     who = {bus: match(expected_on(profile, bus), items) for bus, items in found.items()}
     notes = tuple(note for bus, matched in who.items() for note in _notes(bus, matched))
+    everybody = [item for items in found.values() for item in items]
+    notes += tuple(
+        f"{sheet.path} is of nobody who answers"
+        for sheet in sheets
+        if sheet_of([sheet], everybody) is None
+    )
     lines = [
         f"# Begun from who answered on {on}, with the devices of {like}. What is true of it is",
         "# tested by `rig commission`: the order of devices of one kind is that of their numbers.",
@@ -111,9 +123,13 @@ def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> Dr
         "",
         *_bus_lines(interfaces),
         "devices:",
-        *_device_lines(profile, who),
+        *_device_lines(profile, who, sheets),
         *_camera_lines(profile, seen_cameras()),
-        *(line for bus, matched in who.items() for line in _stranger_lines(bus, matched.others)),
+        *(
+            line
+            for bus, matched in who.items()
+            for line in _stranger_lines(bus, matched.others, sheets)
+        ),
     ]
     return DrawnProfile("\n".join(lines) + "\n\n" + commented_lines(name, like, search), notes)
 
@@ -154,7 +170,9 @@ def _bus_lines(interfaces: Interfaces) -> list[str]:
     return [*lines, ""] if lines else []
 
 
-def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
+def _device_lines(
+    profile: Profile, who: dict[str, Matched], sheets: Sequence[EdsSheet]
+) -> list[str]:
     lines: list[str] = []
     for name, entry in profile.devices.items():
         matched = who[entry.bus].devices if entry.bus in who else {}
@@ -173,6 +191,9 @@ def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
                     lines.append("    joints:")
                 lines.append(f"      {joint}:")
             lines += [f"{pad}{line}" for line in _said(settings, item, alone=joint is None)]
+        items = [matched[name if joint is None else f"{name}.{joint}"] for joint, _ in own]
+        sheet = sheet_of(sheets, items)
+        lines += [f"    {line}" for line in sheet.lines(entry.settings)] if sheet else []
     return lines
 
 
@@ -191,7 +212,7 @@ def _said(settings: object, item: Found, *, alone: bool) -> list[str]:
     return lines
 
 
-def _stranger_lines(bus: str, strangers: Sequence[Found]) -> list[str]:
+def _stranger_lines(bus: str, strangers: Sequence[Found], sheets: Sequence[EdsSheet]) -> list[str]:
     """Return comments that make a device of whoever is like nothing of the profile."""
     lines: list[str] = []
     for item in strangers:
@@ -208,7 +229,10 @@ def _stranger_lines(bus: str, strangers: Sequence[Found]) -> list[str]:
         known = [(key, getattr(item, key)) for key in _IDENTITY]
         lines += [f"  #   {key}: 0x{value:X}" for key, value in known if value]
         lines += [f"  #   serial: 0x{serial:X}" for serial in item.serials[:1] if serial]
-        if item.profile is not None:
+        sheet = sheet_of(sheets, [item])
+        if sheet is not None:
+            lines.append(f"  #   eds: {sheet.path}")
+        elif item.profile is not None:
             lines.append("  #   eds: maker.eds               # its maker's file, which says more")
     return lines
 
