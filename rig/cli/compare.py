@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rig.cli.names import (
+    OneOf,
     configs_option,
     experiment_argument,
     out_option,
@@ -51,7 +52,7 @@ class _Job(NamedTuple):
     help="A setting and the values that it takes in turn.",
 )
 @click.option(
-    "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
+    "--on", "backend", type=OneOf(("sim", "virtual", "vcan", "hardware")),
     default="virtual", show_default=True, help="As for `rig run`.",
 )  # fmt: skip
 @rig_option

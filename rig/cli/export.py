@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.names import OneOf, complete_run, json_option, runs_option
 from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
@@ -18,7 +18,7 @@ TORN = 1
 @click.option(
     "--format",
     "format",
-    type=click.Choice(["csv", "npz", "mat", "parquet", "mcap"]),
+    type=OneOf(["csv", "npz", "mat", "parquet", "mcap"]),
     required=True,
     help="csv: text. npz: numpy. mat: MATLAB. parquet: pandas and others. mcap: in chunks with an "
     "index, for viewers that want one.",

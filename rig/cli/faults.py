@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import configs_option, json_option
+from rig.cli.names import OneOf, configs_option, json_option
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
 )
 @click.option(
     "--on",
-    type=click.Choice(["virtual", "sim"]),
+    type=OneOf(["virtual", "sim"]),
     default="virtual",
     show_default=True,
     help="With --quiet; sim has no frames, and takes a fraction of the time.",

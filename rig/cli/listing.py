@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import configs_option, json_option, out_option
+from rig.cli.names import OneOf, configs_option, json_option, out_option
 from rig.cli.tables import Table, print_json, print_tables, visible
 from rig.run_names import list_runs
 
@@ -42,7 +42,7 @@ class RunEntry(NamedTuple):
 
 
 @click.command()
-@click.argument("what", type=click.Choice(["rigs", "experiments", "runs"]), required=False)
+@click.argument("what", type=OneOf(["rigs", "experiments", "runs"]), required=False)
 @out_option
 @configs_option
 @json_option

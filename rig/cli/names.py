@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     from rig.config.names import Folder
 
 
+class OneOf(click.Choice[str]):
+    """One of a few words; a word that is none is told the nearest one, too."""
+
+    def get_invalid_choice_message(self, value: object, ctx: click.Context | None) -> str:
+        """Return what is wrong with a word."""
+        from difflib import get_close_matches
+
+        said = super().get_invalid_choice_message(value, ctx)
+        near = get_close_matches(str(value), list(self.choices), n=1)
+        return f"{said} Did you mean {near[0]!r}?" if near else said
+
+
 def complete_rig(
     ctx: click.Context, param: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:

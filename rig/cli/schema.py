@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_rig, configs_option
+from rig.cli.names import OneOf, complete_rig, configs_option
 from rig.cli.tables import print_json, visible
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(["profile", "experiment", "sweep"]))
+@click.argument("kind", type=OneOf(["profile", "experiment", "sweep"]))
 @click.argument("rig", required=False, shell_complete=complete_rig)
 @configs_option
 def schema(kind: str, rig: str | None, configs: Path | None) -> int:

@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import configs_option, experiment_argument, rig_option, set_option, yes_option
+from rig.cli.names import (
+    OneOf,
+    configs_option,
+    experiment_argument,
+    rig_option,
+    set_option,
+    yes_option,
+)
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -31,7 +38,7 @@ _TOLD = {"failed": "missed a bound"}
 )  # fmt: skip
 @click.option("--seeds", metavar="FIRST:END", help="Seeds of the simulation: 0:20 is 0 to 19.")
 @click.option(
-    "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
+    "--on", "backend", type=OneOf(("sim", "virtual", "vcan", "hardware")),
     default=None, help="As for `rig run`; default: virtual.",
 )  # fmt: skip
 @rig_option

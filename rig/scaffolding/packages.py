@@ -50,7 +50,8 @@ devices:
     driver: {0}
     bus: can0
     node: 0x30
-    full_scale: 100
+    full_scale: 100         # what 32767 counts are, in ...
+    unit: N                 # ... the sensor's unit, which the log says: N, degC, bar
 """,
     "mechanism": """\
 description: A mechanism of our own, on a CiA 402 drive
@@ -112,6 +113,13 @@ name = "{0}"
 version = "0.1.0"
 requires-python = ">=3.11"
 dependencies = ["rig-controller"]
+
+[project.optional-dependencies]
+test = ["pytest>=8"]
+
+# Also where this folder lies in another project, whose options would be taken otherwise.
+[tool.pytest.ini_options]
+testpaths = ["tests"]
 
 # The name on the left is the one that profiles use; behind it stands the row in parts.py.
 {1}

@@ -1,6 +1,8 @@
 """`rig new`: what it writes runs at once, and passes its own test."""
 
 import random
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from rig.assembly import REGISTRY
 from rig.cli import invoke
 from rig.config import load_profile
 from rig.config.names import find_configs, list_files
+from rig.runtime.log import LogFile
 
 
 @pytest.fixture
@@ -62,6 +65,32 @@ def test_a_package_runs_at_once_and_passes_its_own_test(here, kind, name):
     tested = lab.python_run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
     assert tested.returncode == 0, tested.stdout
     assert " passed" in tested.stdout
+
+
+def test_a_package_keeps_its_tests_apart_from_what_it_lies_in(here):
+    assert invoke(["new", "driver", "oil-thermometer"]) == 0
+    (here / "pyproject.toml").write_text('[tool.pytest.ini_options]\naddopts = "--not-known"\n')
+    listed = subprocess.run(
+        [sys.executable, "-m", "pytest", "--collect-only", "-q", "tests"],
+        cwd=here / "oil-thermometer", capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert listed.returncode == 0, listed.stderr
+    assert "test_oil_thermometer.py" in listed.stdout
+
+
+@pytest.mark.slow
+def test_a_sensor_is_logged_in_the_unit_that_its_profile_says(here):
+    assert invoke(["new", "driver", "oil-thermometer"]) == 0
+    folder = here / "oil-thermometer"
+    profile = folder / "configs" / "rigs" / "oil-thermometer-rig.yaml"
+    text = profile.read_text()
+    assert text.count("unit: N ") == 1
+    profile.write_text(text.replace("unit: N ", "unit: degC "))
+    assert not [path for path in folder.rglob("*.py") if '"N"' in path.read_text()]
+    paths = beside_the_source(here / "installed", project_of(folder), folder / "src")
+    run = Lab(folder, paths).run("oil-thermometer-sine", "--on", "sim", "--no-report")
+    units = {column.name: column.unit for column in LogFile(run / "log.mcap").columns}
+    assert units["device.oil_thermometer_value"] == "degC"
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.node import CanopenNode
 from rig.hal import Device, Reading
 from rig.hal.devices import device_column
-from rig.scaffolding.templates.driver.settings import INPUT, PROFILE, UNIT, MySensorSettings
+from rig.scaffolding.templates.driver.settings import INPUT, PROFILE, MySensorSettings
 
 
 class MySensor(Device):
@@ -32,7 +32,8 @@ class MySensor(Device):
         self, name: str, settings: MySensorSettings, bus: CanopenBus, *, serial: int | None = None
     ) -> None:
         self.name = name
-        self.log_columns = (device_column(name, "value", UNIT, "what the sensor measures"),)
+        column = device_column(name, "value", settings.unit, "what the sensor measures")
+        self.log_columns = (column,)
         self._gain = settings.gain
         self._serial = serial
         self._node = CanopenNode(name, settings.node, bus)

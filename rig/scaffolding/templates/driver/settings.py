@@ -13,8 +13,6 @@ from rig.hal import Address
 PROFILE: Final = 401
 INPUT: Final = Entry(0x6401, 1, "i16")
 """The first analogue input."""
-UNIT: Final = "N"
-"""Of what the sensor measures, for the log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +24,16 @@ class MySensorSettings(CanopenDeviceSettings):
     node : int
         Its number on the bus.
     full_scale : float
-        What 32767 counts are, in the unit of the sensor.
+        What 32767 counts are, in `unit`.
+    unit : str
+        Of what the sensor measures, as log, figures and exported files say it.
     measures : str
         The plant's channel that a simulated one shows.
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]
-    full_scale: Annotated[float, Gt(0)] = 100.0
+    full_scale: Annotated[float, Gt(0)]
+    unit: str
     measures: str = "agonist"
 
     @property
@@ -50,5 +51,5 @@ class MySensorSettings(CanopenDeviceSettings):
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return that the node sends its input with every SYNC."""
-        quantities = {INPUT: Quantity("value", UNIT, self.gain)}
+        quantities = {INPUT: Quantity("value", self.unit, self.gain)}
         return (DescribedNode(name, self.node, (), ((INPUT,),), True, quantities),)
