@@ -10,7 +10,7 @@ import math
 
 from controllers.compiled import KernelMemory
 from controllers.gait import phase_curve_kernel
-from controllers.gait.geometry import LegGeometry
+from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.kinematics import inverse
 from controllers.gait.phase_curve_kernel import PhaseNumbers
 from controllers.gait.phases import GaitPhase, LegPath
@@ -20,6 +20,10 @@ from controllers.motion import InfeasibleMotion
 _REST: Joints = (0.0,) * 12
 _PIECES = 64
 """Of a path whose length is asked for."""
+_EARLY = 1e-6
+"""By which the path parameter may pass its end by the rule's rounding before the joints are there:
+0.1 µm of a step of 0.1 m."""
+_BEFORE_END = math.nextafter(1.0, 0.0)
 
 
 class PhaseCurve:
@@ -111,7 +115,8 @@ class PhaseCurve:
     def follow_joints(self, length: float) -> None:
         """Go on by a length of the curve of all twelve joints, rad, at most to the phase's end.
 
-        What rounding leads beyond it would bend a straight knee backwards.
+        What leads beyond it would bend a straight knee backwards. The path parameter alone may
+        come to the end a little early, where it hardly grows while the knee straightens.
         """
         if self.path >= 1.0:
             self.velocities = _REST
@@ -121,10 +126,10 @@ class PhaseCurve:
         )
         if outcome:
             self._refuse(outcome)
-        if path > 1.0:
+        if path > 1.0 + _EARLY or (path > 1.0 and min(joints[k] for k in KNEES) < 0.0):
             self.finish()
         else:
-            self.joints, self.velocities, self.path = joints, velocities, path
+            self.joints, self.velocities, self.path = joints, velocities, min(path, _BEFORE_END)
 
     def follow_path(self, length: float) -> None:
         """Go on by a length of the path, m; not where a leg is straight."""

@@ -1,12 +1,13 @@
 """How well the legs stand with and without their balance: trials on drawn plants, by their truth.
 
     python tests/benchmarks/legs_balance.py trials [--count 200] [--first 1000] [--only NAME …]
-    python tests/benchmarks/legs_balance.py map [--count 1] [--first 1]
+    python tests/benchmarks/legs_balance.py map [--count 1] [--first 1] [--figure FILE]
 
 ``trials`` prints the share of walks in which the robot did not fall, with its interval of 95 %
 after Wilson, for pushes of 0.1 to 1 N s from four sides, slopes of 3 degrees, a floor 5 mm lower
 than planned, and the two latter together with pushes. Both robots of a trial are the same unit
-under the same push. ``map`` searches the greatest push from 16 sides that the robot stands.
+under the same push. ``map`` searches the greatest push in 16 directions that the robot stands,
+beside what the capture point permits without a step, and draws it.
 
 The loop, the law and the devices are those of `rig run --on sim`; whether the robot fell is what
 the plant says.
@@ -258,31 +259,78 @@ def greatest_push(plan, unit, t, angle):
     return low / plan.motion.plan.geometry.masses.total
 
 
-def push_map(count, first, only):
-    """Print the greatest pushes beside the bound, for each instant and side."""
+def push_map(count, first, only, figure):
+    """Print the greatest pushes beside the bound, for each instant and direction; draw them."""
     made = plans()
     say("phase      deg    bound  with   without  N s/kg; medians of the units")
+    rows = {}
     for phase, t in PHASES.items():
         if only and phase not in only:
             continue
+        rows[phase] = []
         for step in range(16):
             angle = step * math.pi / 8.0
-            found = {
-                name: float(
-                    np.median(
-                        [
-                            greatest_push(plan, Unit(seed), t, angle)
-                            for seed in range(first, first + count)
-                        ]
-                    )
+            found = [
+                np.median(
+                    [
+                        greatest_push(plan, Unit(seed), t, angle)
+                        for seed in range(first, first + count)
+                    ]
                 )
-                for name, plan in made.items()
-            }
-            bound = bound_of(made["with"], t, angle)
-            say(
-                f"{phase:10} {22.5 * step:5.1f}  {bound:.3f}  {found['with']:.3f}  "
-                f"{found['without']:.3f}"
-            )
+                for plan in made.values()
+            ]
+            row = (bound_of(made["with"], t, angle), *map(float, found))
+            rows[phase].append(row)
+            say(f"{phase:10} {22.5 * step:5.1f}  {row[0]:.3f}  {row[1]:.3f}  {row[2]:.3f}")
+    for phase, its in rows.items():
+        say_shares(phase, np.array(its))
+    say_shares("all", np.array([row for its in rows.values() for row in its]))
+    if figure is not None:
+        draw(rows, figure)
+
+
+def say_shares(phase, rows):
+    """Print how much of the bound is reached, over the directions."""
+    for name, pushes in zip(("with", "without"), rows[:, 1:].T, strict=True):
+        shares = pushes / rows[:, 0]
+        say(
+            f"{phase:10} {name:8} of the bound: median {np.median(shares):.2f}, "
+            f"{shares.min():.2f} … {shares.max():.2f}, at least 0.8 in {np.sum(shares >= 0.8)} "
+            f"of {len(shares)}; {pushes.min():.3f} … {pushes.max():.3f} N s/kg"
+        )
+
+
+def draw(rows, file):
+    """Draw a polar map for each instant."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot
+
+    looks = (
+        ("capture point, no step", {"color": "0.5", "linestyle": "--"}),
+        ("with the balance", {"color": "C0", "marker": "o", "markersize": 3}),
+        ("without", {"color": "C3", "marker": "s", "markersize": 3}),
+    )
+    shape = {"figsize": (3.2 * len(rows), 3.9), "subplot_kw": {"projection": "polar"}}
+    drawing, axes = pyplot.subplots(1, len(rows), squeeze=False, layout="constrained", **shape)
+    most = max(value for its in rows.values() for row in its for value in row)
+    around = np.arange(17) * math.pi / 8.0
+    for ax, (phase, its) in zip(axes[0], rows.items(), strict=True):
+        for values, (label, look) in zip(np.array([*its, its[0]]).T, looks, strict=True):
+            ax.plot(around, values, label=label, **look)
+        ax.set_theta_zero_location("N")  # ahead is up, the left on the left
+        ax.set_rlim(0.0, 1.05 * most)
+        ax.set_rlabel_position(45.0)
+        ax.set_thetagrids((0, 90, 180, 270), ("ahead", "left", "back", "right"))
+        ax.set_title(f"{phase}, {PHASES[phase]:g} s")
+    drawing.legend(
+        *axes[0, 0].get_legend_handles_labels(),
+        title="push that the robot stands, N s/kg",
+        loc="outside lower center",
+        ncols=3,
+    )
+    drawing.savefig(file, dpi=90)
 
 
 def main(arguments):
@@ -292,11 +340,15 @@ def main(arguments):
     parser.add_argument("--count", type=int)
     parser.add_argument("--first", type=int)
     parser.add_argument("--only", nargs="*", default=())
+    parser.add_argument("--figure", type=Path, help="of the map")
     of = parser.parse_args(arguments)
     usual = {"trials": (200, 1000), "map": (1, 1)}[of.what]
     count = usual[0] if of.count is None else of.count
     first = usual[1] if of.first is None else of.first
-    {"trials": trials, "map": push_map}[of.what](count, first, of.only)
+    if of.what == "trials":
+        trials(count, first, of.only)
+    else:
+        push_map(count, first, of.only, of.figure)
 
 
 if __name__ == "__main__":

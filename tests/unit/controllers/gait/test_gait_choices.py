@@ -34,7 +34,7 @@ def test_waist_is_ahead_of_the_ankles_and_as_high_as_it_was_asked_to_be(seed):
     rng = np.random.default_rng((71, seed))
     ahead, hip = float(rng.uniform(-0.02, 0.03)), float(rng.uniform(0.17, 0.185))
     made = plan(WalkSettings(speed=2.0, landings=2, ahead=ahead, hip=hip))
-    feet, _ = soles(made.q, made.waist)
+    feet, _ = soles(made.geometry, made.q, made.waist)
     last = made.phases[-1].phase
     stands = 0 if last.waist_at(1.0)[1] < 0.0 else 1
     assert made.waist[-1, 0] - feet[-1, stands, 0] == pytest.approx(ahead, abs=1e-9)
