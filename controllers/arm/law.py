@@ -9,7 +9,8 @@ from controllers.arm.kinematics import dimensions_of
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rehearsal import rehearse
-from controllers.arm.plan import ArmPlan, Sample, make_plan
+from controllers.arm.plan import ArmPlan, OutOfRange, Sample, make_plan
+from controllers.arm.pose_path import PosePath
 from controllers.arm.promises import Promises, TooFast, check_promises
 from controllers.arm.slower import slower_path
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
@@ -107,11 +108,20 @@ class ArmLaw(
             It cannot be done; the message says by how much.
         """
         try:
-            plan = self._planned(path)
+            plan = self._within_ranges(path)
         except TooFast as error:
             raise InfeasibleMotion(f"{error}; {self._fitting(path, error.factor)}.") from error
         self._follower = self._motion = None
         return plan
+
+    def _within_ranges(self, path: ArmPathSettings) -> ArmPlan:
+        """Return the plan of a path, begun whole turns away where only that keeps the ranges."""
+        try:
+            return self._planned(path)
+        except OutOfRange as error:
+            if error.turns is None or not isinstance(path, PosePath):
+                raise
+            return self._planned(path.turned(error.turns))
 
     def _planned(self, path: ArmPathSettings) -> ArmPlan:
         """Return the plan of a path that keeps what is promised, which is then the law's own.
@@ -150,7 +160,7 @@ class ArmLaw(
             if slower is None or factor > _SLOWEST:
                 break
             try:
-                self.at_period(self.period)._planned(slower.path)
+                self.at_period(self.period)._within_ranges(slower.path)
             except TooFast as error:
                 factor *= 1.001 * error.factor
             except InfeasibleMotion:

@@ -227,12 +227,27 @@ def make_plan(
     )
 
 
+class OutOfRange(InfeasibleMotion):
+    """A joint would leave its range.
+
+    Attributes
+    ----------
+    turns : tuple of float, optional
+        Whole turns of each joint, rad, by which the same motion is within all ranges; None: there
+        are none.
+    """
+
+    def __init__(self, message: str, turns: Joints | None) -> None:
+        super().__init__(message)
+        self.turns = turns
+
+
 def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> None:
     """Raise if a joint leaves its range.
 
     Raises
     ------
-    InfeasibleMotion
+    OutOfRange
         With the joint, the first instant, the angle and the bound.
     """
     lower, upper = np.array(geometry.position_min), np.array(geometry.position_max)
@@ -241,9 +256,15 @@ def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> Non
         return
     k = int(np.flatnonzero(outside.any(axis=1))[0])
     j = int(np.flatnonzero(outside[k])[0])
-    raise InfeasibleMotion(
+    least = np.ceil((lower - positions.min(axis=0)) / math.tau)
+    most = np.floor((upper - positions.max(axis=0)) / math.tau)
+    turns = (
+        tuple((math.tau * np.clip(0.0, least, most)).tolist()) if (least <= most).all() else None
+    )
+    raise OutOfRange(
         f"after {t[k]:.3f} s {AXIS_NAMES[j]} would be at {positions[k, j]:.4f} rad, outside its "
-        f"range of {lower[j]:.4f} to {upper[j]:.4f} rad."
+        f"range of {lower[j]:.4f} to {upper[j]:.4f} rad.",
+        turns,
     )
 
 

@@ -5,8 +5,9 @@ through wrist and shoulder as on a line; see `look-ahead`.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from operator import add
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -15,6 +16,7 @@ from annotated_types import Gt, Unit
 from controllers.arm.geometry import SixAngles
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.trajectory import ArmPath, Trajectory
+from controllers.arm.types import Joints
 from controllers.motion import InfeasibleMotion
 from controllers.text_file import number_in, read_table
 
@@ -43,7 +45,8 @@ class PosePath(ArmPath):
         it is at `near`, in its tool's axes.
     near : tuple of float
         Joints near which the path begins, rad: they say which of the arm's branches it takes, and
-        how the tool points if no rotation is given.
+        how the tool points if no rotation is given. Where a joint would leave its range that it
+        keeps a whole turn away, the path begins there.
     speed : float
         Of the hand at most, m/s.
     """
@@ -57,6 +60,11 @@ class PosePath(ArmPath):
     def __post_init__(self) -> None:
         if bool(self.file) == bool(self.points):
             raise ValueError("give a file or points, and not both.")
+
+    def turned(self, turns: Joints) -> "PosePath":
+        """Return the same path, begun with joints that are whole turns (rad) away."""
+        q1, q2, q3, q4, q5, q6 = map(add, self.near, turns)
+        return replace(self, near=(q1, q2, q3, q4, q5, q6))
 
     def trajectory(self, arm: Dimensions) -> Trajectory:
         """Return the path; see `ArmPath`.

@@ -13,8 +13,10 @@ from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.optimum import least_time
+from controllers.arm.plain import DampedLeastSquares
 from controllers.arm.pose_path import PosePath
 from controllers.arm.straight_path import StraightPath
+from controllers.arm.types import ArmState
 from controllers.motion import InfeasibleMotion
 
 GEOMETRY = ArmGeometry(**WIDE)
@@ -163,3 +165,31 @@ def test_a_line_is_given_by_its_start_and_its_length(seed):
         way = length * direction / np.linalg.norm(direction)
         np.testing.assert_allclose(last - first, way, atol=1e-9)
         assert faults_of(GEOMETRY, path, made, EVERY, ()) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "joint", "sense"), [(LookAhead, 3, -1), (DampedLeastSquares, 5, 1)]
+)
+def test_a_whole_turn_away_is_no_reason_to_refuse(law, joint, sense):
+    """Whatever the law: the motion is the same one, and the hand with it."""
+    path = drawn(3)
+    free = law(law.Settings(), GEOMETRY, PERIOD).prepare(path)
+    least, most = free.positions.min(axis=0), free.positions.max(axis=0)
+    low, high = list(WIDE["position_min"]), list(WIDE["position_max"])
+    low[joint] = float(least[joint]) - 0.1 + sense * 2.0 * math.pi
+    high[joint] = float(most[joint]) + 0.1 + sense * 2.0 * math.pi
+    narrow = ArmGeometry(position_min=tuple(low), position_max=tuple(high))
+    online = law(law.Settings(), narrow, PERIOD)
+    made = online.prepare(path)
+    away = np.zeros(6)
+    away[joint] = sense * 2.0 * math.pi
+    np.testing.assert_allclose(made.positions, free.positions + away, atol=1e-9)
+    np.testing.assert_allclose(made.hand, free.hand, atol=1e-9)
+    # The loop gets what was planned.
+    online.reset(ArmState(0.0, tuple(made.positions[0]), (0.0,) * 6))
+    commands = [online.update(None, made.at(0.0)).positions for _ in made.t]
+    np.testing.assert_allclose(commands, made.positions, atol=1e-12)
+    high[joint] -= 0.2
+    narrow = ArmGeometry(position_min=tuple(low), position_max=tuple(high))
+    with pytest.raises(InfeasibleMotion, match=f"q{joint + 1} would be at"):
+        law(law.Settings(), narrow, PERIOD).prepare(path)
