@@ -1,4 +1,4 @@
-"""Write reference.md: every command, key, law, measure, exit code and kind of fault.
+"""Write reference.md: every command, key, law, measure, figure, exit code and kind of fault.
 
 ``python .readme/reference.py`` writes it; ``--check`` says whether it is what the code says.
 """
@@ -13,13 +13,14 @@ from rig.explaining.faults import fault_topics
 from rig.explaining.glossary import Word, glossary
 
 PAGE = Path(__file__).with_name("reference.md")
-_ORDER = ("exit code", "experiment key", "profile key", "control law", "measure")
+_ORDER = ("exit code", "experiment key", "profile key", "control law", "measure", "figure")
 _TITLES = {
     "exit code": "Exit codes",
     "experiment key": "Experiment files",
     "profile key": "Profiles",
     "control law": "Control laws",
     "measure": "Measures",
+    "figure": "Figures",
 }
 _INTRODUCTION = """\
 # Reference

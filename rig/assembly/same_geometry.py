@@ -10,6 +10,10 @@ _APART: Final = 0.05
 """Share of the stroke by which home and stroke may differ: what homing leaves is less."""
 _ALIKE: Final = (("stroke", "cylinder.stroke"), ("home", "home"))
 """Settings of a mechanism with cylinders, and the plant's of the same meaning."""
+_AS_WIDE: Final = (("bore", "cylinder.bore"), ("rod", "cylinder.rod"))
+"""The same, of which no unit is far from its drawing."""
+_WIDE: Final = 0.1
+"""Share of the setting itself by which those may differ."""
 
 
 def check_same_geometry(profile: Profile) -> None:
@@ -24,10 +28,12 @@ def check_same_geometry(profile: Profile) -> None:
         return
     found = []
     most = _APART * (_length(profile.mechanism_settings, "stroke") or 0.0)
-    for ours, theirs in _ALIKE:
+    for ours, theirs in (*_ALIKE, *_AS_WIDE):
         believed = _length(profile.mechanism_settings, ours)
         true = _length(profile.plant.settings, theirs)
-        if believed is None or true is None or abs(believed - true) <= most:
+        if believed is None or true is None:
+            continue
+        if abs(believed - true) <= (most if (ours, theirs) in _ALIKE else _WIDE * believed):
             continue
         key = f"plant.{theirs}"
         unsaid = "" if key in profile.places else " by default"

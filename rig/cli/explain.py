@@ -40,8 +40,8 @@ _WIDTH = 96
 def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_json: bool) -> int:
     """Say what WORD means, or why a run stopped and what to do; default: the newest run.
 
-    WORD is a key of a profile or experiment (`loop.rate`, or `rate` alone), a measure, a law, a
-    command, an exit code, a kind of fault, a message of this program in quotes, or a run.
+    WORD is a key of a profile or experiment (`loop.rate`, or `rate` alone), a measure, a figure,
+    a law, a command, an exit code, a kind of fault, a message of this program in quotes, or a run.
     """
     if rig is not None:
         from rig.assembly import REGISTRY

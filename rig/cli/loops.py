@@ -42,8 +42,9 @@ def loops_of(profile: "Profile") -> tuple[list[Table], list[str]]:
         if loop is None:
             continue
         phase = f"{math.degrees(loop.phase):.3g} deg"
+        sensitivity = f"{loop.sensitivity:.3g}" if loop.stable else "-"
         rows.append((name, _yes(loop.stable), format_quantity(loop.crossover, "rad/s"), phase,
-                     _bears(loop._asdict()), f"{loop.sensitivity:.3g}"))  # fmt: skip
+                     _bears(loop._asdict()), sensitivity))  # fmt: skip
         if (sentence := advice_on(profile, name, loop)) is not None:
             sentences.append(sentence)
     head = (
@@ -64,7 +65,7 @@ def loop_table(controller: str, loop: dict[str, Any]) -> Table:
         ("crossover", format_quantity(loop["crossover"], "rad/s")),
         ("phase margin", f"{math.degrees(loop['phase']):.3g} deg"),
         ("bears further dead time of", _bears(loop)),
-        ("greatest sensitivity", f"{loop['sensitivity']:.3g}"),
+        ("greatest sensitivity", f"{loop['sensitivity']:.3g}" if loop["stable"] else "-"),
     ]
     return Table(f"the loop that {controller} closes, linear", ("what", "value"), rows)
 

@@ -220,7 +220,13 @@ def show(result: Result) -> None:
         if metric.bound is not None:
             sign = "<=" if metric.bound_kind == "max" else ">="
             bound = f"{sign} {bound}  {_VERDICTS[metric.passed]}"
-        lines.append(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
+        # Metrics of the same measure have names of their own; one name alone is of what it says.
+        over = (
+            ""
+            if metric.segments == "*" or metric.name != metric.measure
+            else (f"  over {metric.segments}")
+        )
+        lines.append(f"{metric.name:{width}}  {value:>12}  {bound}{over}".rstrip())
     if lines:
         print_data("\n".join(lines))
     report = result.path / REPORT

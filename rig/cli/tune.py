@@ -85,7 +85,12 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     if options["dry_run"]:
         return 0
     if against and not options["replace"]:
-        click.echo("nothing was changed; --replace puts them in force all the same", err=True)
+        click.echo(
+            "nothing was changed; the same command with more than --generations "
+            f"{options['generations']} goes on from here, and --replace puts them in force all the "
+            "same",
+            err=True,
+        )
         return 1
     return _apply(bench, request, now, find_configs(configs), options)
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
 from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
 
@@ -42,7 +43,7 @@ def explain_run(folder: Path) -> list[Remark]:
     message = manifest.get("message")
     if message:
         said.append(Remark("message", message))
-    if status == RunStatus.FAULTED:
+    if status in (RunStatus.FAULTED, RunStatus.CRASHED):
         from rig.explaining.fault_time import fault_time  # with numpy
 
         when = fault_time(folder)
@@ -57,12 +58,9 @@ def explain_run(folder: Path) -> list[Remark]:
     told = (*_diagnoses(folder), message or "")  # what looked longest knows best
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
-        return [
-            *said,
-            Remark(
-                "means", "`rig export RUN --format csv` holds every quantity to the last cycle."
-            ),
-        ]
+        known = EXIT_CODES.get(str(code), "")
+        means = f"{known} `rig export RUN --format csv` holds every quantity to the last cycle."
+        return [*said, Remark("means", means.strip())]
     names = {"RIG": manifest.get("rig"), "EXPERIMENT": manifest.get("experiment")}
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
 

@@ -16,7 +16,7 @@ from rig.explaining.exit_codes import EXIT_CODES
 Schema = Mapping[str, object]
 
 PROFILE, EXPERIMENT, MEASURE = "profile key", "experiment key", "measure"
-LAW, EXIT_CODE = "control law", "exit code"
+LAW, FIGURE, EXIT_CODE = "control law", "figure", "exit code"
 
 
 class Word(NamedTuple):
@@ -44,13 +44,13 @@ class Word(NamedTuple):
 
 
 def glossary() -> tuple[Word, ...]:
-    """Return every key of profiles and experiments, law, measure and exit code."""
+    """Return every key of profiles and experiments, law, measure, figure and exit code."""
     return (*_profile_keys(), *_experiment_keys(), *without_keys())
 
 
 def without_keys() -> tuple[Word, ...]:
     """Return the words that are no keys of files: those need the schemas of every part, 2 s."""
-    return (*_laws(), *_measures(), *exit_codes())
+    return (*_laws(), *_measures(), *_figures(), *exit_codes())
 
 
 def exit_codes() -> Iterator[Word]:
@@ -90,6 +90,18 @@ def _measures() -> Iterator[Word]:
             measure = measures[name]
             unit = f", {measure.unit}" if measure.unit else ""
             yield Word(name, MEASURE, mechanism, f"{measure.description}{unit}")
+
+
+def _figures() -> Iterator[Word]:
+    from rig.report.figures import known_figures
+    from rig.report.timing_figure import TIMING_FIGURES
+
+    for mechanism in REGISTRY.imported("mechanism"):
+        kinds = known_figures(mechanism)
+        for name in REGISTRY.own_figures(mechanism):
+            yield Word(name, FIGURE, mechanism, kinds[name].caption)
+    for name, kind in TIMING_FIGURES.items():
+        yield Word(name, FIGURE, "", kind.caption)
 
 
 def _laws() -> Iterator[Word]:

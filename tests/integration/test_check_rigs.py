@@ -1,11 +1,14 @@
 """`rig check` shows every rig that is shipped, whatever its buses are."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
+from rig.assembly import REGISTRY, Backend, build_rig
 from rig.cli import invoke
+from rig.config import find_configs, load_profile
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 RIGS = sorted(path.stem for path in (CONFIGS / "rigs").glob("*.yaml"))
@@ -70,3 +73,51 @@ def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
         assert set(loop) == {"stable", "crossover", "phase", "delay", "sensitivity"}
         assert (loop["phase"] > 0.0) == loop["stable"]
         assert ("friction holds it" in shown) != loop["stable"]
+
+
+@pytest.mark.parametrize(("key", "value"), [("bore", "25 mm"), ("rod", "8 mm")])
+def test_a_simulated_cylinder_of_another_width_is_refused(capsys, key, value):
+    said = ["--set", f"cylinder.{key}={value}"]
+    assert invoke(["check", "cylinder", *said]) == 2
+    assert f"plant.cylinder.{key} is" in capsys.readouterr().err
+    assert invoke(["check", "cylinder", *said, "--set", f"plant.cylinder.{key}={value}"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "near"),
+    [
+        (["list", "rnus"], "runs"),
+        (["new", "rg", "mine"], "rig"),
+        (["run", "cylinder-sine", "--on", "simm"], "sim"),
+        (["export", "latest", "--format", "cvs"], "csv"),
+    ],
+)
+def test_a_mistyped_word_of_a_few_is_told_the_nearest(capsys, words, near):
+    assert invoke(words) == 2
+    assert re.search(f"Did you mean '?{near}'?\\?", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("on", ["sim", "virtual"])
+def test_a_load_cell_at_a_cylinder_is_simulated(tmp_path, monkeypatch, on):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "celled.yaml").write_text(
+        "extends: cylinder\nloop: {rate: 500 Hz}\ndevices:\n  rod-force:\n    driver: load-cells\n"
+        "    bus: can0\n    node: 0x30\n    cells:\n"
+        "      agonist: {sub: 1, raw: [0, 32767], force: [-50 N, 300 N]}\n"
+    )
+    assert invoke(["run", "cylinder-step", "--on", on, "--rig", "celled.yaml", "--no-report"]) == 0
+
+
+def test_a_cell_at_a_cylinder_shows_the_force_in_its_wire():
+    profile = load_profile("cylinder", REGISTRY, (), find_configs())
+    rig = build_rig(profile, Backend.SIM)
+    plant = rig.clock.world
+    plant.set_supply(True)
+    for channel, pressure in enumerate((200e3, 150e3)):
+        plant.set_pressure_setpoint(channel, pressure)
+    plant.advance(1.0)
+    names = [name for name, _ in plant.truth_columns]
+    for channel, name in enumerate(plant.channel_names):
+        force = plant.truth()[names.index(f"tension_{name}")]
+        assert plant.channel_value(channel) == pytest.approx(force, abs=1.0)
+        assert force > 10.0

@@ -142,3 +142,28 @@ def test_a_metric_of_one_stretch_is_explained_by_its_measure(capsys):
     assert code == 0
     assert "tracking_rms (measure of cylinder)" in out and "'0.1hz'" in " ".join(out.split())
     assert said(capsys, "tracking_rmz_0.1hz")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("message", "kind"),
+    [
+        ("pair force is limited", "limited"),
+        (
+            "regulators: the chamber of antagonist leaks behind its tube, or its monitor is off, "
+            "or the carriage is pushed or held: 9 N are not those of the pressures",
+            "pulls_disagree",
+        ),
+    ],
+)
+def test_a_message_of_events_and_runs_has_its_kind(capsys, message, kind):
+    code, out, _ = said(capsys, message)
+    assert code == 0
+    assert out.startswith(f"kind: {kind}\n")
+    assert all(f"\n{label}: " in out for label in ("means", "causes", "check", "mend"))
+
+
+@pytest.mark.parametrize("figure", ["tracking", "timing"])
+def test_a_figure_is_explained(capsys, figure):
+    code, out, _ = said(capsys, figure)
+    assert code == 0
+    assert f"{figure} (figure" in out

@@ -88,9 +88,9 @@ class FirstMotion(AcceptanceStep):
         ``uncalibrated(site)`` returns the site's profile as far as it can be used before any
         calibration; by default whole.
     strays : callable, optional
-        ``strays(site)`` returns how far beyond its way the rig may go, SI: twice its way is
-        permitted anyhow. Seals that let go slide on until late regulators have taken their pressure
-        back, whatever the law.
+        ``strays(site)`` returns how far beyond either end of its way the rig may go, SI: twice its
+        way is permitted anyhow. Seals that let go slide on until late regulators have taken their
+        pressure back, whatever the law.
     """
 
     name = "first-motion"
@@ -131,7 +131,7 @@ class FirstMotion(AcceptanceStep):
         columns, travel, unit, each = self._moved
         went = {name: float(np.ptp(log.column(name)[runs])) for name in columns}
         judged = went if each else {"": max(went.values())}
-        farthest = travel + max(travel, self._strays(site))
+        farthest = travel + max(travel, 2.0 * self._strays(site))  # on either side
         measured = []
         for name, way in judged.items():
             what = " ".join(("moved by", name.removeprefix("reading."))).strip()
