@@ -13,7 +13,6 @@ from drivers.sim.plants.lending import DEVICES, Kernel, Lending, Memory, exchang
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.push import Push
 from drivers.sim.plants.settings import CylinderPlantSettings, SealFriction
-from rig.hal.plant import MeasuredPlant
 
 _NOISE_BLOCK = 4096
 """Monitor samples drawn at a time: numpy's cost per call is spread over them."""
@@ -36,6 +35,7 @@ WIDTH = len(STATE.names or ())
 
 
 Array = NDArray[Any]
+_CELL_NOISE = 2e-4  # of a load cell's amplifier over that of a monitor's, N/Pa
 
 
 class Units(NamedTuple):
@@ -62,7 +62,7 @@ class _Snapshot(NamedTuple):
     more: tuple[object, ...]
 
 
-class PneumaticPlant(MeasuredPlant, ABC):
+class PneumaticPlant(ABC):
     """Channels at rest at home, vented and with the supply closed.
 
     Nothing moves before ``set_supply(True)`` and a setpoint.
@@ -258,12 +258,8 @@ class PneumaticPlant(MeasuredPlant, ABC):
         return self._cells[WIDTH * channel + EXTENSION] + self._rod_noise_now[channel]
 
     def channel_value(self, channel: int) -> float:
-        """Return the force in a chamber's wire, N, as a load cell at its rod shows it.
-
-        Its amplifier is as noisy as the chamber's monitor, whose pressure acts on the piston.
-        """
-        area = 0.25 * math.pi * self._common.cylinder.bore**2
-        return self._cells[WIDTH * channel + TENSION] + area * self._noise_now[channel]
+        """Return what a load cell at a rod shows of its wire, N: as noisy as the monitor."""
+        return self._cells[WIDTH * channel + TENSION] + _CELL_NOISE * self._noise_now[channel]
 
     def speed(self, channel: int) -> float:
         """Return the true speed of a rod's extension, m/s."""

@@ -16,8 +16,8 @@ from rig.hal import AiryPlant, DeviceFault, DevicePicker, LinearEncoder
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
-_NUDGE: Final = 0.2e-3
-"""How far a simulated hand moves a rod in a cycle, m."""
+_HAND: Final = 0.2
+"""How fast a simulated hand moves a rod, m/s, whatever the cycle: wires pull it back meanwhile."""
 _OFF: Final = 2e-3
 """How far off the zero of an encoder may be that nobody has calibrated, m."""
 _SCALE: Final = (0.97, 1.03)
@@ -78,7 +78,7 @@ def _gauge(site: Site, name: str, channel: str, span: float) -> tuple[Ends, floa
     Defect
         The encoder is not well on the way.
     """
-    hand = EndToEnd(channel, f"extension_{channel}", _NUDGE)
+    hand = EndToEnd(channel, f"extension_{channel}", _HAND * site.profile.loop.period)
     task = Task(
         f"ends.{channel}",
         f"Pull the rod of {channel} out as far as it goes, push it in as far as it goes, and put "
