@@ -35,11 +35,6 @@ _LOOP: Final = (0.1, 2.4)
 shows is held to the gauge."""
 _SHOWN: Final = (0.7, 1.3)
 """Rise of the monitor over that of the gauge, from the one level to the next."""
-_SMALL: Final = (4e3, (6e3, 9e3))
-"""From where to where the setpoint of a loop around a valve steps before it is given more, Pa."""
-_OVERSHOOT: Final = 1.6
-"""Highest monitor over what such a step asked for; uncalibrated valves come to 1.45, a spool whose
-signal is two and a half times too large to 1.7 and more. What is less is calibrated."""
 
 
 class RegulatorsAlone(AcceptanceStep):
@@ -62,7 +57,6 @@ class RegulatorsAlone(AcceptanceStep):
             first, then, enough = _FIRST, _THEN, _ENOUGH
             if has_valves:
                 first, then, enough = _LOOP, _LOOP, _ENOUGH_OF_LOOP
-                measured.append(_overshoot(site, number))
             for level in levels:
                 low = _fill(site, number, level)
                 if max(low.rises) >= SEEN:
@@ -80,28 +74,6 @@ class RegulatorsAlone(AcceptanceStep):
             measured.append(_setpoint_scale(channel, high.gauge, level, then))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
-
-
-def _overshoot(site: Site, number: int) -> MeasuredValue:
-    """Return the most that a monitor showed over what was asked for; raise if that is too much."""
-    base, levels = _SMALL
-    most = 0.0
-    with energised(site) as chambers:
-        channel, zero = chambers.regulators.channels[number], chambers.zeros[number]
-        for level in levels:
-            setpoints = [0.0] * len(chambers.zeros)
-            setpoints[number] = base
-            chambers.set(setpoints, 0.3)
-            setpoints[number] = level
-            chambers.ask(setpoints)
-            shown = max(pressures[number] for _, pressures in chambers.watch(0.2))
-            most = max(most, (shown - zero) / level)
-            value = MeasuredValue(f"{channel}: overshoot of a step", most, "1", high=_OVERSHOOT)
-            require_within(
-                channel, value,
-                "wrong scale of its setpoint: its spool goes much further than the profile says",
-            )  # fmt: skip
-    return value
 
 
 class _Filled:

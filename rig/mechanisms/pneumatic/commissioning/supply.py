@@ -9,13 +9,17 @@ from rig.commissioning.step import (
     require_within,
 )
 from rig.mechanisms.pneumatic.commissioning.chambers import LEVELS, SEEN, energised
+from rig.mechanisms.pneumatic.commissioning.spool import overshoot_of
 
 
 class SupplyAndDump(AcceptanceStep):
     """The supply valve is kept shut, opened, and shut again, with setpoints that stay."""
 
     name = "supply"
-    does = "Every chamber is asked for 5 to 17 kPa with the supply shut, open, and shut again."
+    does = (
+        "Every chamber is asked for 5 to 17 kPa with the supply shut, open, and shut again; "
+        "a chamber on a valve then goes from 4 to 9 kPa, alone."
+    )
     expects = "Pressure comes with the supply alone, and leaves by the dump valve when it shuts."
 
     def perform(self, site: Site) -> StepResult:
@@ -50,4 +54,8 @@ class SupplyAndDump(AcceptanceStep):
             "dump valve", took, "the chambers keep their pressure when the supply is shut: there "
             "is no dump valve, or it sticks",
         )  # fmt: skip
-        return StepResult((took,))
+        measured = [took]
+        if site.profile.mechanism_settings.valves is not None:
+            channels = range(len(regulators.channels))
+            measured += [overshoot_of(site, number) for number in channels]
+        return StepResult(tuple(measured))
