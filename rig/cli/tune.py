@@ -117,6 +117,13 @@ def _announce(bench: Workbench, generations: int, folder: Path) -> None:
         err=True,
     )
     click.echo(f"what is tried is kept in {folder}", err=True)
+    others = sorted(folder.parent.glob(folder.name.rpartition("-")[0] + "-" + 8 * "[0-9a-f]"))
+    if others and folder not in others:
+        click.echo(
+            f"it begins anew: {', '.join(other.name for other in others)} had another profile, "
+            "other options, or another state of the code and of the packages beside it",
+            err=True,
+        )
 
 
 def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> None:

@@ -13,6 +13,8 @@ from rig.tuning.workbench import Workbench
 
 DRAWN = 200
 """Plants whose margins are looked at."""
+_TOLD = 3
+"""So many lost plants are told by name."""
 ENOUGH = 0.99
 """Share of them whose loop must keep its distance from the critical point."""
 
@@ -47,6 +49,20 @@ class EnsembleVerdict(NamedTuple):
         return [member for member, trial in both if trial.strayed >= 1.0]
 
     @property
+    def losses(self) -> str:
+        """The worst of them in words: the plant, and what became of it; empty: none was lost."""
+        both = sorted(
+            zip(self.members, self.trials, strict=True),
+            key=lambda pair: (pair[1].lasted, -pair[1].strayed),
+        )
+        told = [
+            f"{member.name or 'as told'} ({_fate(trial)})"
+            for member, trial in both
+            if trial.strayed >= 1.0
+        ]
+        return "; ".join(told[:_TOLD])
+
+    @property
     def nominal(self) -> Trial:
         """What they did on the plant that is as told."""
         return self.trials[0]
@@ -74,6 +90,12 @@ class EnsembleVerdict(NamedTuple):
         return float(np.mean(kept))
 
 
+def _fate(trial: Trial) -> str:
+    if trial.lasted < 1.0:
+        return f"lost after {100 * trial.lasted:.0f} % of the motion"
+    return f"{trial.strayed:.2g} times the error that stops the rig"
+
+
 def judge(bench: Workbench, gains: Mapping[str, float]) -> EnsembleVerdict:
     """Run gains on every corner of the ensemble, and look at the margins of drawn plants."""
     members = tuple(bench.ensemble.corners())
@@ -89,7 +111,8 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
     found = []
     if now.lost:
         found.append(
-            f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there"
+            f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there, "
+            f"the worst of them: {now.losses}"
         )
     if now.robust < ENOUGH:
         found.append(
