@@ -81,6 +81,30 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         for change in ("0.0 -> 1.0", "4 -> 5")
     ),
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/balance.py",
+        'short = " or ".join(',
+        "missing < 0.0 -> missing <= 0.0",
+        "pairs that lack nothing are not among those found",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/balance.py",
+        "done = taken = 0.0",
+        "0.0 -> 1.0",
+        "both begin there, and only their difference counts",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "_FASTEST = 1e6",
+        "1000000.0 -> 2000000.0",
+        "either is far beyond any speed that is permitted: the same pressure is found",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "while moved >= _NEAR:",
+        "moved >= _NEAR -> moved > _NEAR",
+        "no step of the search is exactly a hundredth of a pascal",
+    ),
+    Equivalent(
         "rig/mechanisms/joint/watch.py",
         "if not math.isfinite(sum(rods) + sum(pressures)):",
         "sum(rods) + sum(pressures) -> sum(rods) - sum(pressures)",

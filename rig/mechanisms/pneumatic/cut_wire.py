@@ -104,7 +104,7 @@ def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
         middle = high - fast * (high - low) / (fast - slow)
         excess = _excess(settings, wires, middle)
         is_fast = excess > 0.0
-        moved = high - middle if is_fast else middle - low
+        moved = middle - low
         # An end that stays twice would stay for long: half of its excess draws the next look there.
         halved = 0.5 if is_fast is was_fast else 1.0
         if is_fast:

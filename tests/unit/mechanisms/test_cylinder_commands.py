@@ -204,16 +204,23 @@ def test_a_reference_may_reach_the_permitted_speed_and_not_pass_it(sign, after):
         AntagonisticPair.plan(settings, Passing(1.0001 * settings.limits.speed), None, PERIOD)
 
 
-def test_a_speed_between_two_ticks_is_told_at_every_seventh():
+@pytest.mark.parametrize("tick", [0, 7, 14])
+def test_a_speed_between_two_ticks_is_told_at_every_seventh(tick):
     settings = pair_settings()
+    looked = []
 
     class Between(Held):
+        duration = 15 * PERIOD
+
         def at(self, t):
-            aside = 0.3 * PERIOD < t < 0.7 * PERIOD
+            looked.append(t)
+            aside = 0.3 * PERIOD < t - tick * PERIOD < 0.7 * PERIOD
             return PairReference(0.0, 2.0 * settings.limits.speed if aside else 0.0, 0.0)
 
-    with pytest.raises(ValueError, match=r"after 0 s .* faster than limits\.speed"):
+    with pytest.raises(ValueError, match=r"faster than limits\.speed"):
         AntagonisticPair.plan(settings, Between(0.0), None, PERIOD)
+    between = [t for t in looked if t % PERIOD]
+    assert (len(between), len(looked)) == (tick // 7 + 1, tick + 1 + tick // 7 + 1)
 
 
 def test_what_is_no_reference_for_a_pair_is_refused():

@@ -22,6 +22,7 @@ from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder.settings import PairAlarmSettings, RodsAlarm
 from rig.mechanisms.cylinder.watch import PairWatch
 from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, SwappedAlarm
+from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
 NAMES = "encoder-agonist", "encoder-antagonist"
 CHANGE = 2.0**-12
@@ -251,9 +252,9 @@ def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
 # A cause that the rest of the pair shows ------------------------------------------------------
 
 
-def suspicious(*ways):
+def suspicious(*ways, **settings):
     """Return rods of which a pressure has just begun to be off, and that moved by this much."""
-    rods = Rods()
+    rods = Rods(**settings)
     rods.watch.send((BASE, BASE))
     rods.cycle(0.0, 0.0)
     rods.cycle(0.0, 0.0)
@@ -270,6 +271,12 @@ def test_a_limit_that_is_passed_has_the_suspicion_of_a_regulator():
     assert isinstance(said, SafetyError)
     assert str(said).startswith("regulators: the regulator of antagonist is stuck")
     assert str(said).endswith(f" ({FAST})")
+
+
+def test_what_feeds_a_chamber_may_be_a_valve():
+    rods = suspicious(0.0, 0.0, valves=ValvesSettings())
+    said = str(rods.watch.explain(FAST))
+    assert said.startswith("regulators: the valve of antagonist is stuck")
 
 
 def test_a_limit_that_was_explained_already_is_left_alone():
@@ -453,6 +460,15 @@ def test_a_pair_that_should_move_and_sticks_is_told_with_its_chamber():
     assert "the chamber of agonist leaks behind its tube" in told
     assert "the carriage is pushed or held" in told
     assert pulled(32, 0.0).watch.explain_held() is None
+
+
+def test_a_pair_that_slides_is_not_held_whatever_its_monitors_say():
+    rods = pulled(0)
+    for k in range(32):
+        way = 1e-4 * k
+        rods.cycle(-way, way)
+    assert rods.watch._balance.explain() is not None
+    assert rods.watch.explain_held() is None
 
 
 def test_what_held_it_before_a_new_start_is_forgotten():

@@ -429,6 +429,15 @@ def test_a_ring_that_should_move_and_sticks_is_told_with_its_chamber():
     assert pulled(0.0).explain_held() is None
 
 
+def test_a_ring_that_slides_is_not_held_whatever_its_monitors_say():
+    bench = JointBench()
+    for k in range(40):
+        bench.lean(0.004 * k)
+        bench.cycles(1)
+    assert bench.joint._watch._balance.explain() is not None
+    assert bench.joint._watch.explain_held() is None
+
+
 def test_what_held_it_before_a_new_start_is_forgotten():
     watch = pulled(300e3)
     watch.restart()

@@ -1,5 +1,6 @@
 """A wire that is cut: speed and energy as the profile foretells them, against the plant's truth."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -15,6 +16,7 @@ from drivers.sim.plants.spherical_joint import SphericalJointPlant
 from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
 from rig.mechanisms.cylinder.settings import FrictionModel
 from rig.mechanisms.joint.settings import JointFriction
+from rig.mechanisms.pneumatic import cut_wire
 from rig.mechanisms.pneumatic.cut_wire import (
     compute_calm_pressure,
     compute_damper,
@@ -177,6 +179,33 @@ def test_the_calm_pressure_and_the_damper_keep_the_speed():
         held = settings.limits.speed * (damper + 0.5 * settings.friction.viscous)
         assert held == pytest.approx(pull)
         assert compute_damper(settings, 0.5 * calm) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("speed", "most"), [(0.02, 15), (0.05, 11), (0.2, 8), (0.5, 7), (0.9, 8), (1.4, 8)]
+)
+@pytest.mark.parametrize(("wires", "base"), [(2, PAIR), (4, JOINT)], ids=["pair", "joint"])
+def test_the_calm_pressure_is_found_in_a_few_looks(wires, base, speed, most, monkeypatch):
+    """Halving from half a megapascal to a hundredth of a pascal takes 26."""
+    looks = []
+
+    def look(*asked):
+        looks.append(asked)
+        return compute_whip(*asked)
+
+    monkeypatch.setattr(cut_wire, "compute_whip", look)
+    limits = dataclasses.replace(base.limits, speed=speed)
+    settings = dataclasses.replace(base, limits=limits)
+    calm = compute_calm_pressure(settings, wires)
+    assert len(looks) <= most
+    assert compute_whip(settings, wires, calm).speed <= speed
+    assert compute_whip(settings, wires, calm + 0.02).speed > speed
+
+
+def test_a_highest_pressure_that_just_keeps_the_speed_is_calm():
+    highest = PAIR.limits.pressure[1]
+    limits = dataclasses.replace(PAIR.limits, speed=compute_whip(PAIR, 2, highest).speed)
+    assert compute_calm_pressure(dataclasses.replace(PAIR, limits=limits), 2) == highest
 
 
 def test_what_no_pressure_throws_too_fast_may_have_the_highest():
