@@ -77,7 +77,6 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
     whose = "the joint"
     channels = CHANNELS
     law = EstimatingPoseController
-
     columns = JOINT_COLUMNS
 
     def __init__(
@@ -115,11 +114,8 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._tensions: Quadruple = (0.0,) * 4
         self._rods: Quadruple = (0.0,) * 4
         self._now = 0.0
-        self._tracking = TrackingWatch(
-            [f"the rod of {name}" for name in CHANNELS],
-            settings.limits.following,
-            settings.alarms.oscillation,
-        )
+        rods = [f"the rod of {name}" for name in CHANNELS]
+        self._tracking = TrackingWatch(rods, settings.limits.following, settings.alarms.oscillation)
 
     @classmethod
     def expected_of(cls, settings: JointSettings) -> tuple[Expected, ...]:
@@ -322,6 +318,11 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._limiter.reset(state.pressures)
         self._watch.restart()
         self._tracking.restart()
+        self._stood: Quadruple = state.rods
+
+    def check_still(self, home: JointReference) -> None:
+        """See `Mechanism.check_still`; the rods were where they stood, whatever they show of it."""
+        self._tracking.check_still(self._stood, self._rods)
 
     def check_command(self, reference: JointReference, command: JointCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""

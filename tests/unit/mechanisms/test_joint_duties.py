@@ -58,6 +58,23 @@ def swinging(times=3):
 FAULT = LimitExceeded("tilt of something", 1.0, -0.5, 0.5, "rad")
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.25])
+def test_a_ring_that_moves_while_its_chambers_fill_is_a_fault(tilt):
+    """From where it stood when it began, upright or not; how far its wires give does not count."""
+    bench = JointBench()
+    bench.lean(tilt)
+    bench.joint.start_limiting(bench.cycles(1))
+    stood, following = rods_at(tilt, 0.4), bench.joint.settings.limits.following
+    for rod, fault in ((0.99 * following, False), (1.01 * following, True)):
+        bench.place(off(stood, 3, rod))
+        bench.cycles(1)
+        if not fault:
+            bench.joint.check_still(UP)
+            continue
+        with pytest.raises(LimitExceeded, match="way of the rod of ch3 while its chamber fills"):
+            bench.joint.check_still(UP)
+
+
 # The cause of a fault --------------------------------------------------------------------------
 
 
