@@ -202,6 +202,14 @@ def test_the_calm_pressure_is_found_in_a_few_looks(wires, base, speed, most, mon
     assert compute_whip(settings, wires, calm + 0.02).speed > speed
 
 
+def test_the_calm_pressure_may_be_of_less_than_a_pascal():
+    friction = FrictionModel(1e-9, 1e-9, 8e-3, 1e-9)
+    smooth = dataclasses.replace(PAIR, friction=friction)
+    limits = dataclasses.replace(PAIR.limits, speed=compute_whip(smooth, 2, 0.5).speed)
+    settings = dataclasses.replace(smooth, limits=limits)
+    assert compute_calm_pressure(settings, 2) == pytest.approx(0.5, abs=0.02)
+
+
 def test_a_highest_pressure_that_just_keeps_the_speed_is_calm():
     highest = PAIR.limits.pressure[1]
     limits = dataclasses.replace(PAIR.limits, speed=compute_whip(PAIR, 2, highest).speed)
