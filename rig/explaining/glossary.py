@@ -93,14 +93,13 @@ def _measures() -> Iterator[Word]:
 
 
 def _figures() -> Iterator[Word]:
-    from rig.report.figures import known_figures
-    from rig.report.timing_figure import TIMING_FIGURES
+    from rig.report.figures import ANY_RUN, known_figures
 
     for mechanism in REGISTRY.imported("mechanism"):
         kinds = known_figures(mechanism)
         for name in REGISTRY.own_figures(mechanism):
             yield Word(name, FIGURE, mechanism, kinds[name].caption)
-    for name, kind in TIMING_FIGURES.items():
+    for name, kind in ANY_RUN.items():
         yield Word(name, FIGURE, "", kind.caption)
 
 

@@ -16,23 +16,27 @@ from rig.hal import ConfigurationError
 from rig.hal.fits import where
 from rig.report.data import RunData, imprint_of, load_run
 from rig.report.figure import FigureKind
+from rig.report.limits_figure import LIMIT_FIGURES
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_facts import FIGURES as FIGURES_FOLDER
 from rig.run_folder import RunFolderError
 from rig.runtime.log_columns import LogColumns
 
+ANY_RUN = {**TIMING_FIGURES, **LIMIT_FIGURES}
+"""The figures that do not depend on the mechanism."""
+
 
 def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
-    """Return every figure by name: those of the mechanisms, and what any run's cycles cost."""
-    return {**REGISTRY.figures(mechanism, FigureKind), **TIMING_FIGURES}
+    """Return every figure by name: those of the mechanisms, and of any run."""
+    return {**REGISTRY.figures(mechanism, FigureKind), **ANY_RUN}
 
 
 def own_figures(mechanism: str | None) -> tuple[str, ...]:
     """Return the names of the figures that are of a mechanism's runs; all if it is not known."""
     if mechanism is None:
         return tuple(known_figures(None))
-    return (*REGISTRY.own_figures(mechanism), *TIMING_FIGURES)
+    return (*REGISTRY.own_figures(mechanism), *ANY_RUN)
 
 
 class Drawn(NamedTuple):

@@ -1,6 +1,7 @@
 """Figures: drawn from the folder alone, not empty, and honest about peaks."""
 
 import csv
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -189,3 +190,24 @@ def test_a_figure_says_what_ran(make_run: MakeRun) -> None:
     manifest = RunFolder.open(run).manifest
     svg = (run / "figures" / "tracking.svg").read_text()
     assert manifest["experiment"] in svg and manifest["started"][:10] in svg
+
+
+def test_limits_are_drawn_where_they_cut_and_nowhere_else(make_run: MakeRun) -> None:
+    run = make_run(duration=2.0)
+    assert draw_figures(run, ["limits"]).files == []
+    with (run / "events.jsonl").open("a") as events:
+        told = (
+            (0.5, "pair force is limited", 2),
+            (1.0, "setpoint rate is limited", 1),
+            (1.5, "pair force is limited", 5),
+            (1.9, "pair force was limited in 9 cycles of the run", 9),
+        )
+        for t, message, hits in told:
+            said = {"t": t, "kind": "limit", "message": message, "data": {"hits": hits}}
+            events.write(json.dumps(said) + "\n")
+    drawn = draw_figures(run, ["limits"]).files
+    assert {path.suffix for path in drawn} == {".png", ".svg", ".pdf", ".csv"}
+    svg = next(path for path in drawn if path.suffix == ".svg").read_text()
+    assert "pair force: 9 cycles" in svg
+    assert "setpoint rate: 1 cycles" in svg
+    assert "was limited" not in svg

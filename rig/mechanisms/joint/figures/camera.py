@@ -114,25 +114,21 @@ def draw_learning(run: RunData) -> "Figure | None":
         return None
     samples = Samples(run.log)
     windows = [w for w in _windows(run, samples) if len(w.t) and w.column("estimate.lap").max() > 0]
-    if not windows:
+    if not any(w.column("estimate.learning").max() > 0.0 for w in windows):  # nobody learns
         return None
     figure = new_figure(PAGE, 62.0)
     wires, marker = figure.subplots(1, 2)
+    has_ended = False
     for window, color in zip(windows, PALETTE, strict=False):
         errors = lap_errors(window)
         laps = np.arange(1, len(errors.wires) + 1)
+        has_ended = has_ended or errors.ended is not None
         for axes, values in ((wires, errors.wires), (marker, errors.marker)):
             axes.plot(laps, values * 1e6, "-o", ms=3.0, color=color, label=window.segment.name)
             if errors.ended is not None:
                 axes.axvline(errors.ended + 0.5, color=color, lw=0.8, ls=(0, (4, 2)))
-    marker.plot(
-        [],
-        [],
-        color=INK,
-        lw=0.8,
-        ls=(0, (4, 2)),
-        label="nothing more learnt",
-    )
+    if has_ended:
+        marker.plot([], [], color=INK, lw=0.8, ls=(0, (4, 2)), label="nothing more learnt")
     for axes, label in ((wires, "wire pairs, rms (µm)"), (marker, "marker, rms (µm)")):
         axes.set_xlabel("lap")
         axes.set_ylabel(label)
