@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from rig.cli.names import OneOf, configs_option
+from rig.cli.names import OneOf, configs_option, json_option
+from rig.cli.tables import print_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,6 +39,7 @@ _KINDS = ("experiment", "rig", *_PACKAGES)
 )  # fmt: skip
 @click.option("--tip", metavar="LINK", help="With --urdf: the link that is the tool.")
 @configs_option
+@json_option
 def new(
     kind: str,
     name: str,
@@ -49,6 +51,7 @@ def new(
     eds: tuple[str, ...],
     tip: str | None,
     configs: Path | None,
+    as_json: bool,
 ) -> int:
     """Write files to begin with, under NAME: an experiment, rig, controller, driver or mechanism.
 
@@ -84,14 +87,15 @@ def new(
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
         package = cast("PackageKind", kind)
-        write_files(Path(name), package_files(package, name))
+        written = Path(name)
+        write_files(written, package_files(package, name))
         following = [
             f"pip install -e './{name}[test]'",
             f"cd {name} && rig run {first_experiment(package, name)} --on sim",
             f"cd {name} && pytest tests",
         ]
     else:
-        file = Path(f"{name}.yaml")
+        file = written = Path(f"{name}.yaml")
         if os.path.lexists(file):  # also a link to nowhere: what is written must not follow it
             raise ConfigurationError(f"{file} is there already; nothing was written")
         search = find_configs(configs)
@@ -111,6 +115,11 @@ def new(
             file.write_text(text, encoding="utf-8")
         except OSError as error:
             raise ConfigurationError(f"cannot write {file}: {error.strerror or error}") from error
+    if as_json:
+        print_json(
+            {"kind": kind, "name": name, "written": written, "notes": notes, "next": following}
+        )
+        return 0
     for note in notes:
         click.echo(f"note: {note}", err=True)
     click.echo(f"{kind} {name} is written; next:", err=True)

@@ -14,7 +14,6 @@ from rig.cli.command_table import COMMANDS
 from rig.cli.tables import finite
 
 WITHOUT = {
-    "new": "writes files and says where",
     "simulate": "goes on until it is stopped",
     "watch": "goes on until it is stopped",
     "reset": "says whether it could, by its exit code",

@@ -1,5 +1,6 @@
 """`rig new`: what it writes runs at once, and passes its own test."""
 
+import json
 import random
 import subprocess
 import sys
@@ -109,6 +110,15 @@ def test_what_cannot_be_is_refused_and_nothing_written(here, capsys, words, said
     assert invoke(["new", *words]) == 2
     assert said in capsys.readouterr().err
     assert list(here.iterdir()) == []
+
+
+def test_a_program_is_told_what_was_written(here, capsys):
+    assert invoke(["new", "experiment", "mine", "--json"]) == 0
+    said = capsys.readouterr()
+    told = json.loads(said.out)
+    assert (told["kind"], told["written"], said.err) == ("experiment", "mine.yaml", "")
+    assert (here / told["written"]).exists()
+    assert told["next"][0] == "rig check mine.yaml"
 
 
 def test_what_is_there_stays(here, capsys):
