@@ -100,7 +100,7 @@ def new(
             raise ConfigurationError(f"{file} is there already; nothing was written")
         search = find_configs(configs)
         if kind == "experiment":
-            text = experiment_text(name, rig or "cylinder", search, like)
+            text = experiment_text(name, rig, search, like)
             following = [f"rig check {file}", f"rig run {file} --on sim"]
         elif drawn:
             text, notes = _drawn(name, *drawn[0], tip)

@@ -9,16 +9,21 @@ from rig.config.names import find_file, list_files
 from rig.config.yaml_loader import read_plain, read_source
 from rig.hal import ConfigurationError
 
+_RIG: Final = re.compile(r"^rig:[ ]*[^ \n]+(.*)$", re.MULTILINE)
 _OWN: Final = re.compile(r"^(name|description):.*\n", re.MULTILINE)
 
 
-def experiment_text(name: str, rig: str, search: Sequence[Path], like: str | None = None) -> str:
+def experiment_text(
+    name: str, rig: str | None, search: Sequence[Path], like: str | None = None
+) -> str:
     """Return an experiment that runs at once: one of a rig's, under another name.
 
     Parameters
     ----------
-    name, rig : str
-        Its name, and the rig's.
+    name : str
+        Its name.
+    rig : str, optional
+        Whose it is; default: `cylinder`, or whose the one is that it begins with.
     search : sequence of Path
         Folders of configurations.
     like : str, optional
@@ -30,11 +35,14 @@ def experiment_text(name: str, rig: str, search: Sequence[Path], like: str | Non
         There is no such experiment, or none of the rig.
     """
     if like is None:
+        rig = rig or "cylinder"
         own = [e for e, path in list_files("experiments", search).items() if _rig_of(path) == rig]
         if not own:
             raise ConfigurationError(f"no experiment is of the rig {rig!r}; name one with --like")
         like = own[0]
     text = read_source(find_file(like, "experiments", search)).text
+    if rig is not None:
+        text = _RIG.sub(lambda line: f"rig: {rig}{line[1]}", text)
     return (
         f"# Begun as {like}. What a word means, `rig explain WORD` says; what is wrong, all at\n"
         f"# once, `rig check {name}.yaml`.\n"

@@ -12,7 +12,7 @@ from stranger_lab import Lab, beside_the_source
 
 from rig.assembly import REGISTRY
 from rig.cli import invoke
-from rig.config import load_profile
+from rig.config import load_experiment, load_profile
 from rig.config.names import find_configs, list_files
 from rig.runtime.log import LogFile
 
@@ -43,6 +43,15 @@ def test_a_rig_begins_as_any_other(here, capsys, seed):
     assert f"extends: {like}" in text
     # What is said of it is said as a comment.
     assert sum(not line.startswith("#") and bool(line) for line in text.splitlines()) == 3
+
+
+@pytest.mark.parametrize("like", ["cylinder-step", "cylinder-sine"])
+def test_an_experiment_like_another_is_of_the_rig_that_is_said(here, like):
+    assert invoke(["new", "experiment", "a", "--rig", "cylinder-ideal", "--like", like]) == 0
+    assert invoke(["new", "experiment", "b", "--like", like]) == 0
+    for name, rig in (("a", "cylinder-ideal"), ("b", "cylinder")):
+        experiment = load_experiment(f"{name}.yaml", REGISTRY, (), find_configs())
+        assert experiment.rig == rig
 
 
 def project_of(folder):
