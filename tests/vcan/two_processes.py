@@ -33,8 +33,9 @@ def start(arguments, environment):
     """Start a `rig` command."""
     if SHARED_TIME:
         return WarmProcess(arguments, environment)
+    watched = (sys.executable, str(HERE / "watched_rig.py"))
     return subprocess.Popen(
-        [*RIG, *arguments],
+        [*(watched if "WATCHED_TRUTH" in environment else RIG), *arguments],
         cwd=ROOT,
         env={**os.environ, **environment},
         stdin=subprocess.DEVNULL,
@@ -111,9 +112,13 @@ class Program:
         self.end()
 
 
-def simulate(rig, on, *more):
-    """Start the simulation of a rig; it is ready when this returns."""
-    program = Program("simulate", rig, "--on", on, *more)
+def simulate(rig, on, *more, truth=None):
+    """Start the simulation of a rig; it is ready when this returns.
+
+    What was true is written to the file `truth` at its end, if there is to be one.
+    """
+    environment = {} if truth is None else {"WATCHED_TRUTH": str(truth)}
+    program = Program("simulate", rig, "--on", on, *more, environment=environment)
     program.wait_for("simulating ")
     return program
 

@@ -71,6 +71,10 @@ def _be_rig(
     out.close()
     err.close()
     sys.argv = ["rig", *arguments]
+    if "WATCHED_TRUTH" in environment:
+        from watched_rig import watch
+
+        watch(environment["WATCHED_TRUTH"])
     from rig.cli import main
 
     try:
