@@ -33,7 +33,7 @@ class RivalLaw(GaitLaw[Chosen]):
         self._joints: Joints = ()
 
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
-        return lambda entry: ConstantPathPace(entry.arcs, entry.cycles)
+        return lambda entry: ConstantPathPace(entry.cycles)
 
     def _restart(self) -> None:
         super()._restart()

@@ -38,7 +38,7 @@ class InverseLaw(GaitLaw[NoSettings]):
     name = "inverse"
 
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
-        return lambda entry: ConstantPathPace(entry.arcs, entry.cycles)
+        return lambda entry: ConstantPathPace(entry.cycles)
 
 
 class MinimumJerkLaw(GaitLaw[NoSettings]):
@@ -51,7 +51,7 @@ class MinimumJerkLaw(GaitLaw[NoSettings]):
     name = "min-jerk"
 
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
-        return lambda entry: MinimumJerkPace(entry.arcs, entry.cycles)
+        return lambda entry: MinimumJerkPace(entry.cycles)
 
 
 @dataclass(frozen=True, slots=True)

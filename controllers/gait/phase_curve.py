@@ -6,6 +6,8 @@ ray, along the joints' arc length or along the path's length. The curve is the s
 joints' length is the parameter that stays regular at a straight knee.
 """
 
+import bisect
+import itertools
 import math
 
 from controllers.compiled import KernelMemory
@@ -23,6 +25,8 @@ _PIECES = 64
 _EARLY = 1e-6
 """By which the path parameter may pass its end by the rule's rounding before the joints are there:
 0.1 µm of a step of 0.1 m."""
+_NEWTON, _EXACT = 8, 1e-15
+"""Most steps to a place on the path, and the error there at which they end, of its length."""
 _BEFORE_END = math.nextafter(1.0, 0.0)
 
 
@@ -69,6 +73,7 @@ class PhaseCurve:
         self._geometry = geometry
         self._legs = right, left = phase.legs(geometry)
         self._leading = left if path_length(left) > path_length(right) else right
+        self._covered: tuple[float, ...] | None = None  # of whom takes the path by its length
         numbers = PhaseNumbers(geometry.thigh, geometry.shank, right, left, self._leading)
         memory = KernelMemory(numbers)
         self._follow = memory.bind(phase_curve_kernel.follow)
@@ -139,14 +144,29 @@ class PhaseCurve:
         if outcome:
             self._refuse(outcome)
 
-    def place_path(self, length: float) -> None:
-        """Go on by a length of the path, m, by the inverse kinematics instead of the ray."""
-        xi = self.path
-        before = 1.0 / self.speed(xi)
-        middle = 1.0 / self.speed(xi + 0.5 * length * before)
-        after = 1.0 / self.speed(xi + length * middle)
-        xi += length * (before + 4.0 * middle + after) / 6.0
-        self._go_to(min(max(xi, 0.0), 1.0))
+    def place(self, share: float) -> None:
+        """Go to where a share of the path's length is covered, by the closed-form inverse.
+
+        The place is found anew each time: what rounding adds up over a phase would be made good in
+        its last period, where a knee that straightens magnifies it by a square root.
+        """
+        self._go_to(self._parameter(min(max(share, 0.0), 1.0)))
+
+    def _parameter(self, share: float) -> float:
+        """Return the path parameter there, by Newton's method within one piece of the path."""
+        if self._covered is None:
+            self._covered = _covered(self._leading)
+        covered = self._covered
+        length = share * covered[-1]
+        k = min(bisect.bisect_right(covered, length), _PIECES) - 1
+        begin, left = k / _PIECES, length - covered[k]
+        xi = begin + left / self.speed(begin)
+        for _ in range(_NEWTON):
+            off = _arc(self._leading, begin, xi) - left
+            xi -= off / self.speed(xi)
+            if abs(off) <= _EXACT * covered[-1]:
+                break
+        return min(max(xi, 0.0), 1.0)
 
     def _go_to(self, xi: float) -> None:
         joints, rate = self.joints_at(xi), 1.0 / self._period
@@ -167,9 +187,17 @@ class PhaseCurve:
 
 def path_length(path: LegPath) -> float:
     """Return the length of a leg's path, m (Simpson's rule; a straight line exactly)."""
-    total = 0.0
-    for k in range(2 * _PIECES + 1):
-        x, y, z = path.tangent(k / (2 * _PIECES))
-        weight = 1.0 if k in (0, 2 * _PIECES) else 4.0 if k % 2 else 2.0
-        total += weight * math.sqrt(x * x + y * y + z * z)
-    return total / (6 * _PIECES)
+    return _covered(path)[-1]
+
+
+def _covered(path: LegPath) -> tuple[float, ...]:
+    """Return what is covered at the end of each piece of a path, m, from nothing on."""
+    pieces = (_arc(path, k / _PIECES, (k + 1) / _PIECES) for k in range(_PIECES))
+    return tuple(itertools.accumulate(pieces, initial=0.0))
+
+
+def _arc(path: LegPath, begin: float, end: float) -> float:
+    """Return the length between two path parameters that are near each other, m (Simpson)."""
+    middle = 0.5 * (begin + end)
+    speeds = [math.hypot(*path.tangent(xi)) for xi in (begin, middle, end)]
+    return (end - begin) * (speeds[0] + 4.0 * speeds[1] + speeds[2]) / 6.0

@@ -45,19 +45,16 @@ class TimeLaw(Protocol):
 
 
 class _PathPace(ABC):
-    """Along the path by the closed-form inverse, by so much in each period.
+    """Along the path by the closed-form inverse, to where it is at the end of each period.
 
     Parameters
     ----------
-    arcs : Arcs
-        Lengths of the phase.
     cycles : int
         Its duration in periods.
     """
 
-    def __init__(self, arcs: Arcs, cycles: int) -> None:
+    def __init__(self, cycles: int) -> None:
         self.summary = PaceSummary()
-        self._length = arcs.path_length
         self._cycles = cycles
 
     def advance(self, curve: PhaseCurve, cycle: int) -> None:
@@ -65,11 +62,11 @@ class _PathPace(ABC):
         if cycle >= self._cycles - 1:
             curve.finish()
         else:
-            curve.place_path(self._step(cycle))
+            curve.place(self._covered(cycle + 1))
 
     @abstractmethod
-    def _step(self, cycle: int) -> float:
-        """Return how far the path goes on in this cycle, m."""
+    def _covered(self, cycles: int) -> float:
+        """Return the share of the path that is covered after so many cycles."""
 
 
 class ConstantPathPace(_PathPace):
@@ -78,8 +75,8 @@ class ConstantPathPace(_PathPace):
     Each cycle takes the closed-form inverse, which is the inverse Jacobian integrated exactly.
     """
 
-    def _step(self, cycle: int) -> float:
-        return self._length / self._cycles
+    def _covered(self, cycles: int) -> float:
+        return cycles / self._cycles
 
 
 class MinimumJerkPace(_PathPace):
@@ -89,11 +86,8 @@ class MinimumJerkPace(_PathPace):
     square root of that: it stops without a jump, too.
     """
 
-    def _step(self, cycle: int) -> float:
-        return self._covered(cycle + 1) - self._covered(cycle)
-
-    def _covered(self, cycle: int) -> float:
-        return minimum_jerk(0.0, self._length, self._cycles, cycle)[0]
+    def _covered(self, cycles: int) -> float:
+        return minimum_jerk(0.0, 1.0, self._cycles, cycles)[0]
 
 
 class LimitedNormPace:

@@ -286,7 +286,7 @@ def test_bounded_norm_is_bounded_at_coarse_periods_too(period):
 
 def test_fastest_walk_keeps_the_joints_rates_whatever_the_law():
     walk = WalkSettings(lift=0.06, step=0.02, knee_min=0.0, fastest=True)
-    made = MinimumJerkLaw(NoSettings(), model(min_margin=0.005), 1e-2).prepare(walk)
+    made = MinimumJerkLaw(NoSettings(), model(response_time=1.0), 1e-2).prepare(walk)
     assert 0.98 * GEOMETRY.max_rate < made.peak_rates.max() <= (1 + SHARE) * GEOMETRY.max_rate
 
 
