@@ -265,7 +265,8 @@ def _of_smooth(said, motion, law, geometry, period):
     if not _near(acceleration, law.settings.acceleration * motion.speed**2):
         return "the bound of accelerations"
     curve = Curve(geometry, stage)
-    for points in (700, 3000, 9000):  # a bob's curvature jumps: between two points much may be hidden
+    # A bob's curvature jumps: between two points much may be hidden.
+    for points in (700, 3000, 9000):
         least = curve.least_time(float(rate), float(acceleration), points)
         if (1.0 - 5e-3) * least <= float(needed) <= (1.0 + OF_LAWS) * least:
             break
