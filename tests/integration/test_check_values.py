@@ -23,7 +23,9 @@ def test_each_value_names_who_says_it(tmp_path, capsys):
     rigs = tmp_path / "rigs"
     rigs.mkdir()
     mine = rigs / "mine.yaml"
-    mine.write_text("extends: cylinder\ncylinder:\n  bore: 20 mm\n")
+    mine.write_text(
+        "extends: cylinder\ncylinder:\n  bore: 20 mm\nplant:\n  cylinder: {bore: 20 mm}\n"
+    )
     folder = tmp_path / "calibration" / "mine"
     folder.mkdir(parents=True)
     content = {"values": {"offset": 1.5e-4}, "measured": {}, "provenance": PROVENANCE}

@@ -60,7 +60,8 @@ def test_a_run_tells_what_was_recorded(recorded):
     with pytest.raises(KeyError, match="hold_rms"):
         recorded.metrics["marker_rms"]
     with pytest.raises(
-        rig.ConfigurationError, match=r"there are tracking, error, pressures, phase, timing$"
+        rig.ConfigurationError,
+        match=r"there are tracking, error, pressures, phase, timing, limits$",
     ):
         recorded.figure("nothing")
     with pytest.raises(rig.ConfigurationError, match="has not recorded what marker-track shows"):

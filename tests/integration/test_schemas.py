@@ -77,7 +77,7 @@ BROKEN = [
         ("experiments", "cylinder-sine", "approach: 2 s",
          ["approach: soon", "approach: '2'", "approach: 700", "approach: -1", "metric: {}",
           "law: 3", "rigs: x"]),
-        ("experiments", "cylinder-sine", "figures: [tracking, error, pressures, timing]",
+        ("experiments", "cylinder-sine", "figures: [tracking, error, pressures, limits, timing]",
          ["figures: tracking", "figures: [1]", "figure: [tracking]"]),
         ("experiments", "cylinder-sine", "max: 0.9 mm",
          ["max: often", "most: 0.9 mm", "max: [1]", "max: '0.1'", "max: true"]),

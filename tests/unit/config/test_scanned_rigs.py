@@ -72,7 +72,7 @@ def test_a_device_of_no_kind_is_whatever_answers():
 
 def test_a_stranger_becomes_a_device_in_comments():
     item = Found(0x26, "CiA 410 (0x0002019A)", 410, vendor=0x12, product=0x34, serials=(7,))
-    lines = _stranger_lines("can0", [item, Found(0x27)])
+    lines = _stranger_lines("can0", [item, Found(0x27)], [])
     assert all(line.startswith("  # ") for line in lines)
     read = yaml.safe_load("\n".join(line.removeprefix("  # ") for line in lines[1:8]))
     assert read == {
