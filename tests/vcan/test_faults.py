@@ -229,6 +229,7 @@ def test_an_outage_ends_the_run_and_nothing_old_is_sent_after_it(tmp_path, simul
         program.wait_for("run …")
         pause(0.5)
         ip("link", "set", LINK, "down")
+        pause(0.01)  # for the recorder, to which the last frame is on its way
         down = now()
         assert program.end() == 4, program.talk
         assert "the interface went down while in use" in program.talk
