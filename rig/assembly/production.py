@@ -112,7 +112,13 @@ def controller_class(profile: Profile, name: str) -> Callable[..., AnyLaw]:
 
 
 def make_controller(profile: Profile, name: str) -> Any:
-    """Make a controller that a loop can run: `make_law`, compiled."""
+    """Make a controller that a loop can run: `make_law`, compiled.
+
+    Raises
+    ------
+    ConfigurationError, MotionRefused
+        As `make_law`.
+    """
     made = make_law(profile, name)
     made.compile()
     return made

@@ -1,4 +1,4 @@
-"""Whether a simulated rig has the stroke and the home that its mechanism's settings say."""
+"""Whether a simulated rig has the cylinders that its mechanism's settings say."""
 
 import dataclasses
 from typing import Final
@@ -6,14 +6,14 @@ from typing import Final
 from rig.config import Profile
 from rig.hal import SeveralErrors
 
-_APART: Final = 0.05
-"""Share of the stroke by which home and stroke may differ: what homing leaves is less."""
-_ALIKE: Final = (("stroke", "cylinder.stroke"), ("home", "home"))
-"""Settings of a mechanism with cylinders, and the plant's of the same meaning."""
-_AS_WIDE: Final = (("bore", "cylinder.bore"), ("rod", "cylinder.rod"))
-"""The same, of which no unit is far from its drawing."""
-_WIDE: Final = 0.1
-"""Share of the setting itself by which those may differ."""
+_ALIKE: Final = (
+    ("stroke", "cylinder.stroke", "stroke", 0.05),
+    ("home", "home", "stroke", 0.05),
+    ("bore", "cylinder.bore", "bore", 0.1),
+    ("rod", "cylinder.rod", "rod", 0.1),
+)
+"""Settings of a mechanism with cylinders, the plant's of the same meaning, and by which share of
+which setting they may differ: what homing leaves and what units are off their drawings is less."""
 
 
 def check_same_geometry(profile: Profile) -> None:
@@ -27,13 +27,11 @@ def check_same_geometry(profile: Profile) -> None:
     if profile.plant is None:
         return
     found = []
-    most = _APART * (_length(profile.mechanism_settings, "stroke") or 0.0)
-    for ours, theirs in (*_ALIKE, *_AS_WIDE):
+    for ours, theirs, size, share in _ALIKE:
         believed = _length(profile.mechanism_settings, ours)
         true = _length(profile.plant.settings, theirs)
-        if believed is None or true is None:
-            continue
-        if abs(believed - true) <= (most if (ours, theirs) in _ALIKE else _WIDE * believed):
+        most = share * (_length(profile.mechanism_settings, size) or 0.0)
+        if believed is None or true is None or abs(believed - true) <= most:
             continue
         key = f"plant.{theirs}"
         unsaid = "" if key in profile.places else " by default"

@@ -221,11 +221,8 @@ def show(result: Result) -> None:
             sign = "<=" if metric.bound_kind == "max" else ">="
             bound = f"{sign} {bound}  {_VERDICTS[metric.passed]}"
         # Metrics of the same measure have names of their own; one name alone is of what it says.
-        over = (
-            ""
-            if metric.segments == "*" or metric.name != metric.measure
-            else (f"  over {metric.segments}")
-        )
+        tells = metric.segments != "*" and metric.name == metric.measure
+        over = f"  over {metric.segments}" if tells else ""
         lines.append(f"{metric.name:{width}}  {value:>12}  {bound}{over}".rstrip())
     if lines:
         print_data("\n".join(lines))

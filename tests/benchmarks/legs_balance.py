@@ -309,8 +309,8 @@ def draw(rows, file):
 
     looks = (
         ("capture point, no step", {"color": "0.5", "linestyle": "--"}),
-        ("with the balance", {"color": "C0", "marker": "o", "markersize": 3}),
-        ("without", {"color": "C3", "marker": "s", "markersize": 3}),
+        ("with the balance", {"color": "#0072b2", "marker": "o", "markersize": 3}),
+        ("without", {"color": "#d55e00", "marker": "s", "markersize": 5, "fillstyle": "none"}),
     )
     shape = {"figsize": (3.2 * len(rows), 3.9), "subplot_kw": {"projection": "polar"}}
     drawing, axes = pyplot.subplots(1, len(rows), squeeze=False, layout="constrained", **shape)
@@ -321,7 +321,10 @@ def draw(rows, file):
             ax.plot(around, values, label=label, **look)
         ax.set_theta_zero_location("N")  # ahead is up, the left on the left
         ax.set_rlim(0.0, 1.05 * most)
-        ax.set_rlabel_position(45.0)
+        ax.set_rgrids((0.2, 0.4, 0.6), ("0.2", "", "0.6"))  # at 0.4 the curves are
+        ax.set_rlabel_position(135.0)
+        for label in ax.get_yticklabels():
+            label.set(fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
         ax.set_thetagrids((0, 90, 180, 270), ("ahead", "left", "back", "right"))
         ax.set_title(f"{phase}, {PHASES[phase]:g} s")
     drawing.legend(

@@ -8,7 +8,8 @@ import re
 
 import numpy as np
 import pytest
-from gait_oracle import false_claim, off_way
+from gait_claims import false_claim
+from gait_oracle import off_way
 
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.laws import (
