@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import getpass
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.loops import known_loops, loops_of
+from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
-from rig.cli.tables import Table, print_data, print_tables, visible
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.assembly import Backend
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from rig.calibration.store import Circumstances
     from rig.config import Profile
     from rig.experiment.run import Result
+    from rig.hal.closed_loop import ClosedLoop
 
 _DAY = 86_400.0
 
@@ -72,10 +75,10 @@ _DAY = 86_400.0
 @click.option("--diff", nargs=2, metavar="A B", help="Compare two calibration files.")
 @click.option("--uncommissioned", metavar="REASON",
               help="Why hardware that is not commissioned is moved all the same.")  # fmt: skip
-@click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
-              help="Where run folders live.")  # fmt: skip
+@out_option
 @set_option
 @configs_option
+@json_option
 def calibrate(rig: str, **options: Any) -> int:
     """Calibrate RIG by PROCEDURE..., and write configs/calibration/RIG/DEVICE.yaml.
 
@@ -84,15 +87,16 @@ def calibrate(rig: str, **options: Any) -> int:
     kept. Ctrl-C leaves the old calibration in force and the recording as it is: go on with
     --from RUN.
     """
+    from rig.cli.calibration_files import restore, show_difference, show_history
     from rig.config.names import find_configs
 
-    search = find_configs(options["configs"])
+    search, as_json = find_configs(options["configs"]), options["as_json"]
     if options["diff"]:
-        return _diff(search, rig, *options["diff"])
+        return show_difference(search, rig, *options["diff"], as_json=as_json)
     if options["restored"]:
-        return _restore(search, rig, options["restored"])
+        return restore(search, rig, options["restored"], as_json=as_json)
     if options["history_of"]:
-        return _history(search, rig, options["history_of"])
+        return show_history(search, rig, options["history_of"], as_json=as_json)
     from rig.assembly import REGISTRY
     from rig.calibration.catalogue import pick, procedures
     from rig.config import load_profile
@@ -100,28 +104,48 @@ def calibrate(rig: str, **options: Any) -> int:
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
     known = procedures(profile)
     if not options["procedures"] and not options["every"]:
-        rows = [(p.name, ", ".join(p.targets(profile)), p.title) for p in known.values()]
-        if not known:
-            said = f"there is no procedure for {rig}: a {profile.mechanism} has none"
-            click.echo(said, err=True)
-            return 0
-        print_tables([Table(f"procedures of {rig}", ("procedure", "writes", "what"), rows)])
+        _show_procedures(rig, profile, known.values(), as_json=as_json)
         return 0
     chosen = pick(profile, tuple(known) if options["every"] else options["procedures"])
+    done: list[dict[str, object]] = []
+    code = 0
     for procedure in chosen:
         # Each builds on what the one before has found.
         profile = load_profile(rig, REGISTRY, options["overrides"], search)
-        code = _calibrate(procedure, profile, search, options)
+        code = _calibrate(procedure, profile, search, options, done)
         if code:
-            return code
+            break
+    if as_json:
+        print_json(done)
+    if code:
+        return code
     if options["on"] == "hardware":
         tell_next(load_profile(rig, REGISTRY, options["overrides"], search), search)
     return 0
 
 
+def _show_procedures(
+    rig: str, profile: Profile, known: Iterable[AnyProcedure], *, as_json: bool
+) -> None:
+    found = [(p.name, p.targets(profile), p.title) for p in known]
+    if as_json:
+        print_json([dict(zip(("name", "writes", "title"), one, strict=True)) for one in found])
+    elif found:
+        rows = [(name, ", ".join(targets), title) for name, targets, title in found]
+        print_tables([Table(f"procedures of {rig}", ("procedure", "writes", "what"), rows)])
+    else:
+        said = f"there is no procedure for {rig}: a {profile.mechanism} has none"
+        click.echo(said, err=True)
+
+
 def _calibrate(
-    procedure: AnyProcedure, profile: Profile, search: Sequence[Path], options: dict[str, Any]
+    procedure: AnyProcedure,
+    profile: Profile,
+    search: Sequence[Path],
+    options: dict[str, Any],
+    done: list[dict[str, object]],
 ) -> int:
+    """Calibrate by one procedure, and append what was found to what is `done`, as plain data."""
     from rig.assembly import backend_of
     from rig.calibration.preview import preview
     from rig.calibration.procedure import FilesOffered
@@ -132,8 +156,8 @@ def _calibrate(
     backend, folders = backend_of(options["on"]), list(options["earlier"])
     files = FilesOffered(options["views"], options["board"], backend.is_simulated, options["out"])
     try:
-        done = Recording.of(folders).names if folders else ()
-        excitation = procedure.excite(profile, done)
+        held = Recording.of(folders).names if folders else ()
+        excitation = procedure.excite(profile, held)
     except RigLacks as lack:
         click.echo(f"{procedure.name}: {lack}", err=True)
         return 0 if options["every"] else 3  # the others do not need it
@@ -157,10 +181,11 @@ def _calibrate(
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
                 return _tell_ended(procedure, profile, result, folders)
+        asks = partial(click.prompt, err=True)
         readings = read_instruments(
             procedure, profile, folders,
             simulated=backend.is_simulated, readings=options["readings"],
-            prompt=None if options["yes"] is not None or not sys.stdin.isatty() else click.prompt,
+            prompt=None if options["yes"] is not None or not sys.stdin.isatty() else asks,
         )  # fmt: skip
         if excitation is not None:
             data, folder = recorded(folders), folders[-1]
@@ -174,9 +199,14 @@ def _calibrate(
         return 0
     except CalibrationRefused as refusal:
         return _tell_refused(procedure, profile, refusal, folders)
-    _show(procedure, calibrated)
-    if any(finding.target == profile.mechanism for finding in calibrated.findings):
-        _show_loops(profile, search, options)
+    loops = _loops(profile, search, options, calibrated)
+    done.append(_as_data(procedure, calibrated, loops))
+    _show(procedure, calibrated, quiet=options["as_json"])
+    tables, sentences = loops_of(profile, loops)
+    if not options["as_json"]:
+        print_tables(tables)
+    for sentence in sentences:
+        click.echo(sentence, err=True)
     return 0
 
 
@@ -279,7 +309,28 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     return click.confirm("Go?", default=False, err=True)
 
 
-def _show(procedure: AnyProcedure, done: Calibrated) -> None:
+def _as_data(
+    procedure: AnyProcedure, done: Calibrated, loops: dict[str, ClosedLoop]
+) -> dict[str, object]:
+    """Return what was found as plain data, SI."""
+    return {
+        "procedure": procedure.name,
+        "title": procedure.title,
+        "found": [
+            {
+                "of": finding.target,
+                "estimates": [estimate._asdict() for estimate in finding.estimates],
+                "not_found": list(finding.notes),
+            }
+            for finding in done.findings
+        ],
+        "files": list(done.files),
+        "figures": list(done.figures),
+        "loops": {name: loop._asdict() for name, loop in loops.items()},
+    }
+
+
+def _show(procedure: AnyProcedure, done: Calibrated, *, quiet: bool) -> None:
     from rig.config import format_to
 
     rows = []
@@ -288,84 +339,21 @@ def _show(procedure: AnyProcedure, done: Calibrated) -> None:
             value, low, high = format_to(e.value, e.std, e.unit, (e.low, e.high))
             (std,) = format_to(e.std, e.std, e.unit)
             rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
-    print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
+    if not quiet:
+        print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
     for note in dict.fromkeys(note for finding in done.findings for note in finding.notes):
         click.echo(f"not found: {note}", err=True)
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)
 
 
-def _show_loops(profile: Profile, search: Sequence[Path], options: dict[str, Any]) -> None:
-    """Say what the loops of the rig bear, now that it is known better."""
+def _loops(
+    profile: Profile, search: Sequence[Path], options: dict[str, Any], done: Calibrated
+) -> dict[str, ClosedLoop]:
+    """Return the loops of the rig as they are now that its mechanism is known better, if it is."""
     from rig.assembly import REGISTRY
-    from rig.cli.loops import loops_of
     from rig.config import load_profile
 
-    known = load_profile(profile.files[0], REGISTRY, options["overrides"], search)
-    tables, sentences = loops_of(known)
-    print_tables(tables)
-    for sentence in sentences:
-        click.echo(sentence, err=True)
-
-
-def _history(search: Sequence[Path], rig: str, target: str) -> int:
-    from rig.calibration.store import history, load
-    from rig.hal import ConfigurationError
-
-    kept = history(search, rig, target)
-    if not kept:
-        raise ConfigurationError(f"no calibration of {target} of the rig {rig} is kept")
-    rows = []
-    for path in kept:
-        try:
-            of = load(path)["provenance"]
-        except ConfigurationError as error:  # one that is damaged hides no other
-            click.echo(visible(f"{path} cannot be used: {error}"), err=True)
-            rows.append(("-",) * 6 + (str(path),))
-            continue
-        residual = f"{of.get('residual_rms', '-')} {of.get('unit', '')}"
-        rows.append(
-            (str(of["date"]), of["operator"], of.get("procedure", "-"),
-             of.get("backend", "-"), residual, str(of.get("valid_until", "-")), str(path))
-        )  # fmt: skip
-    head = ("date", "operator", "procedure", "measured on", "residual rms", "valid until", "file")
-    print_tables([Table(f"calibrations of {target}", head, rows)])
-    return 0
-
-
-def _restore(search: Sequence[Path], rig: str, name: str) -> int:
-    from rig.calibration.store import restore
-
-    target, slash, date = name.rpartition("/")
-    if not slash:
-        _history(search, rig, name)
-        click.echo(
-            f"put one in force again with: rig calibrate {rig} --restore {name}/DATE", err=True
-        )
-        return 0
-    path = restore(search, rig, target, date)
-    click.echo(f"in force again: {path}", err=True)
-    return 0
-
-
-def _diff(search: Sequence[Path], rig: str, one: str, other: str) -> int:
-    from rig.calibration.store import find, load
-    from rig.config import format_quantity
-
-    paths = [find(search, rig, name) for name in (one, other)]
-    a, b = ({m["name"]: m for m in load(path)["measured"]} for path in paths)
-    rows = []
-    for name in [*a, *(name for name in b if name not in a)]:
-        old, new = a.get(name), b.get(name)
-        texts = ["-" if m is None else format_quantity(m["value"], m["unit"]) for m in (old, new)]
-        if old is None or new is None:
-            rows.append((name, *texts, "-", "-"))
-            continue
-        change = new["value"] - old["value"]
-        spread = (old["std"] ** 2 + new["std"] ** 2) ** 0.5
-        sigmas = f"{abs(change) / spread:.1f}" if spread else "-"
-        rows.append((name, *texts, format_quantity(change, new["unit"]), sigmas))
-    print_data(f"A: {paths[0]}\nB: {paths[1]}")
-    head = ("quantity", "A", "B", "change", "in its std")
-    print_tables([Table("difference", head, rows)])
-    return 0
+    if all(finding.target != profile.mechanism for finding in done.findings):
+        return {}
+    return known_loops(load_profile(profile.files[0], REGISTRY, options["overrides"], search))

@@ -13,6 +13,7 @@ from rig.cli.names import (
     OneOf,
     configs_option,
     experiment_argument,
+    json_option,
     out_option,
     rig_option,
     seed_option,
@@ -60,7 +61,7 @@ class _Job(NamedTuple):
 @seed_option
 @out_option
 @configs_option
-@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+@json_option
 @yes_option
 def compare(
     experiment: str,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ EXIT_UNFIT = 3
 @click.option(
     "--rate", type=click.FloatRange(min=1.0, max=5000.0), help="Of the loop, Hz; default: RIG's."
 )
-@click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), help="Of the runs.")
-@click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
+@out_option
+@json_option
 @set_option
 @configs_option
 def doctor(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import OneOf, complete_run, json_option, runs_option
+from rig.cli.names import OneOf, complete_run, json_option, runs_beside_out_option
 from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
@@ -28,7 +28,7 @@ TORN = 1
     type=click.Path(path_type=Path),
     help="File to write; default: log.FORMAT in the run folder, log-indexed.mcap for mcap.",
 )
-@runs_option
+@runs_beside_out_option
 @json_option
 def export(run: str, format: str, out: Path | None, runs: Path, as_json: bool) -> int:
     """Write the log of RUN in another format, and print the file's path.

@@ -9,6 +9,7 @@ from rig.config.formats import format_quantity
 if TYPE_CHECKING:
     from rig.config import Profile
     from rig.experiment.plan import Plan
+    from rig.hal.closed_loop import ClosedLoop
 
 
 def describe_loop(plan: "Plan") -> dict[str, Any] | None:
@@ -27,20 +28,29 @@ def advice(plan: "Plan") -> str | None:
     return None if loop is None else advice_on(plan.profile, plan.experiment.controller, loop)
 
 
-def loops_of(profile: "Profile") -> tuple[list[Table], list[str]]:
-    """Return a table of the loops that a profile's controllers close, and what to do about them."""
+def known_loops(profile: "Profile") -> "dict[str, ClosedLoop]":
+    """Return the loops that a profile's controllers close, by the controller."""
     from rig.assembly import make_law
-    from rig.experiment.loop_margins import advice_on, loop_of
+    from rig.experiment.loop_margins import loop_of
     from rig.hal import MotionRefused
 
-    rows, sentences = [], []
+    loops = {}
     for name in profile.controllers:
         try:
             loop = loop_of(profile, make_law(profile, name))
         except MotionRefused:  # a package that it needs is not installed
             continue
-        if loop is None:
-            continue
+        if loop is not None:
+            loops[name] = loop
+    return loops
+
+
+def loops_of(profile: "Profile", loops: "dict[str, ClosedLoop]") -> tuple[list[Table], list[str]]:
+    """Return a table of the loops of a profile, and what to do about them."""
+    from rig.experiment.loop_margins import advice_on
+
+    rows, sentences = [], []
+    for name, loop in loops.items():
         phase = f"{math.degrees(loop.phase):.3g} deg"
         sensitivity = f"{loop.sensitivity:.3g}" if loop.stable else "-"
         rows.append((name, _yes(loop.stable), format_quantity(loop.crossover, "rad/s"), phase,

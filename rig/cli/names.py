@@ -141,16 +141,26 @@ rig_option = click.option(
     "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
     help="Another rig than the experiment's.",
 )  # fmt: skip
-out_option = click.option(
-    "--out", type=click.Path(path_type=Path), default=RUNS, show_default=True,
-    help="Where run folders live.",
-)  # fmt: skip
-"""Where a run is put."""
 runs_option = click.option(
-    "--runs", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    "--runs", "--out", "runs", type=click.Path(path_type=Path), default=RUNS, show_default=True,
     help="Where run folders live.",
 )  # fmt: skip
 """Where a run is looked for by its name."""
+out_option = click.option(
+    "--out", "--runs", "out", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    help="Where run folders live.",
+)  # fmt: skip
+"""Where a run is put. Both options have both spellings: a person knows one folder of runs."""
+runs_beside_out_option = click.option(
+    "--runs", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    help="Where run folders live.",
+)  # fmt: skip
+"""Where a run is looked for, of a command whose ``--out`` is what it writes."""
+out_beside_runs_option = click.option(
+    "--out", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    help="Where the new run is put.",
+)  # fmt: skip
+"""Where a run is put, of a command that looks for another one in ``--runs``."""
 yes_option = click.option(
     "--yes", metavar="NAME", help="The rig's name: on hardware, in the place of typing it."
 )

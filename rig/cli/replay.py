@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_option, set_option
+from rig.cli.names import complete_run, json_option, runs_beside_out_option, set_option
 from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 from rig.run_names import find_run
 
@@ -34,7 +34,7 @@ DIFFERS = 1
     "--out", type=click.Path(path_type=Path),
     help="Folder for the figure of another law; default: replay in the run folder.",
 )  # fmt: skip
-@runs_option
+@runs_beside_out_option
 @json_option
 def replay(
     run: str,

@@ -6,15 +6,21 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, json_option, out_option, runs_option, yes_option
+from rig.cli.names import (
+    complete_run,
+    json_option,
+    out_beside_runs_option,
+    runs_beside_out_option,
+    yes_option,
+)
 from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
 
 @click.command()
 @click.argument("run", shell_complete=complete_run)
-@runs_option
-@out_option
+@runs_beside_out_option
+@out_beside_runs_option
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @yes_option
 @json_option

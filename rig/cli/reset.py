@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, set_option, yes_option
+from rig.cli.names import complete_rig, configs_option, json_option, set_option, yes_option
 from rig.cli.on_option import OnBackend
+from rig.cli.tables import print_json
 
 if TYPE_CHECKING:
     from rig.assembly import Rig
@@ -27,6 +28,7 @@ _LOOK_EVERY = 0.02
 @yes_option
 @set_option
 @configs_option
+@json_option
 def reset(
     rig: str,
     on: str,
@@ -34,6 +36,7 @@ def reset(
     yes: str | None,
     overrides: tuple[str, ...],
     configs: Path | None,
+    as_json: bool,
 ) -> int:
     """Reset the latched fault of RIG, which keeps it from being run on hardware.
 
@@ -41,7 +44,6 @@ def reset(
     without a contact asks for its name.
     """
     from rig.assembly import REGISTRY, Backend, backend_of, build_rig
-    from rig.cli.confirm import confirm
     from rig.config import load_profile
     from rig.config.names import find_configs
     from rig.experiment.fault_latch import FaultLatch
@@ -51,20 +53,31 @@ def reset(
     profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
     latch = FaultLatch(profile.name)
     reason = latch.reason()
+    code = 0
     if reason is None:
         click.echo(f"{profile.name} has no latched fault", err=True)
-        return 0
-    click.echo(f"{profile.name} is latched: {reason}", err=True)
-    made = build_rig(profile, Backend.HARDWARE, None if on in list(Backend) else on)
+    else:
+        click.echo(f"{profile.name} is latched: {reason}", err=True)
+        made = build_rig(profile, Backend.HARDWARE, None if on in list(Backend) else on)
+        code = _ask(made, profile.name, yes, wait)
+        if code == 0:
+            latch.clear()
+            click.echo(f"{profile.name} is reset", err=True)
+    if as_json:
+        print_json({"rig": profile.name, "was_latched": reason, "is_latched": code != 0})
+    return code
+
+
+def _ask(made: Rig, name: str, yes: str | None, wait: float) -> int:
+    """Have the operator show that somebody stands beside the rig; return the exit code."""
+    from rig.cli.confirm import confirm
+
     if made.mechanism.stop_input() is None:
-        if not confirm(profile.name, yes):
-            return 2
-    elif not _pressed_and_released(made, wait):
-        click.echo(f"the emergency stop was not pressed and released within {wait:g} s", err=True)
-        return 3
-    latch.clear()
-    click.echo(f"{profile.name} is reset", err=True)
-    return 0
+        return 0 if confirm(name, yes) else 2
+    if _pressed_and_released(made, wait):
+        return 0
+    click.echo(f"the emergency stop was not pressed and released within {wait:g} s", err=True)
+    return 3
 
 
 def _pressed_and_released(made: Rig, wait: float) -> bool:

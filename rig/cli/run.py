@@ -12,6 +12,7 @@ from rig.cli.names import (
     complete_run,
     configs_option,
     experiment_argument,
+    json_option,
     out_option,
     rig_option,
     seed_option,
@@ -51,7 +52,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
     help="Record the CAN buses: frames.log as candump writes it, or --frames=asc, --frames=blf.",
 )  # fmt: skip
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
-@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+@json_option
 @click.option("--watch", is_flag=True, help="Serve a page on which the run can be watched.")
 @click.option(
     "--rehearse", is_flag=True,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import OneOf, complete_rig, configs_option
+from rig.cli.names import OneOf, complete_rig, configs_option, json_option
 from rig.cli.tables import print_json, visible
 
 
@@ -14,8 +14,9 @@ from rig.cli.tables import print_json, visible
 @click.argument("kind", type=OneOf(["profile", "experiment", "sweep"]))
 @click.argument("rig", required=False, shell_complete=complete_rig)
 @configs_option
-def schema(kind: str, rig: str | None, configs: Path | None) -> int:
-    """Print the JSON Schema of a profile, an experiment or a sweep.
+@json_option
+def schema(kind: str, rig: str | None, configs: Path | None, as_json: bool) -> int:
+    """Print the JSON Schema of a profile, an experiment or a sweep, with --json or without.
 
     What packages of others offer is in it if RIG's profile names it: code of theirs runs for no
     other.

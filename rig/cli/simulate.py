@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.names import complete_rig, configs_option, json_option, set_option
+from rig.cli.tables import print_json
 from rig.cli.terminal_line import TerminalLine
 
 if TYPE_CHECKING:
@@ -39,8 +40,14 @@ _REDRAW = 0.5  # of the status line, s
 )  # fmt: skip
 @set_option
 @configs_option
+@json_option
 def simulate(
-    rig: str, on: str, duration: float | None, overrides: tuple[str, ...], configs: Path | None
+    rig: str,
+    on: str,
+    duration: float | None,
+    overrides: tuple[str, ...],
+    configs: Path | None,
+    as_json: bool,
 ) -> int:
     """Put the emulated devices of RIG on a real bus, in real time, until Ctrl-C.
 
@@ -72,6 +79,8 @@ def simulate(
         # people send two at once, of which none may tear the release of the interfaces.
         stop.shield()
         _introduce(profile, simulation)
+        if as_json:  # now: who reads it wants the paths of the buses
+            print_json(_as_data(profile, simulation))
         began = monotonic()
         _serve(simulation, line, stop, duration)
         summary = _summarise(simulation, monotonic() - began)
@@ -91,6 +100,23 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
         click.echo("hands on a local socket, for `rig commission` on the same interfaces", err=True)
     click.echo(f"simulating {profile.name}; Ctrl-C ends it", err=True)
     sys.stderr.flush()
+
+
+def _as_data(profile: Profile, simulation: Simulation) -> dict[str, object]:
+    """Return what is simulated, and where another process finds it."""
+    return {
+        "rig": profile.name,
+        "buses": {
+            bus: {
+                "channel": channel,
+                "devices": [name for name, of in profile.devices.items() if of.bus == bus],
+            }
+            for bus, channel in simulation.channels.items()
+        },
+        "cameras": list(simulation.cameras),
+        "left_out": list(simulation.left_out),
+        "hands": simulation.has_hands,
+    }
 
 
 def _serve(

@@ -187,9 +187,9 @@ def _tuned(profile: Profile) -> list[Milestone]:
 
 
 def _margins(profile: Profile) -> list[Milestone]:
-    from rig.cli.loops import loops_of
+    from rig.cli.loops import known_loops, loops_of
 
-    tables, _ = loops_of(profile)
+    tables, _ = loops_of(profile, known_loops(profile))
     return [
         Milestone(f"loop of {name}",
               f"stable: {stable}, crossover {crossover}, phase {phase}, more dead time: {delay}, "

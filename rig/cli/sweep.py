@@ -16,6 +16,7 @@ from rig.cli.names import (
     OneOf,
     configs_option,
     experiment_argument,
+    json_option,
     rig_option,
     set_option,
     yes_option,
@@ -57,7 +58,7 @@ _TOLD = {"failed": "missed a bound"}
     help="The sweep's folder; default: runs/sweeps/EXPERIMENT-BACKEND.",
 )  # fmt: skip
 @configs_option
-@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
+@json_option
 @yes_option
 def sweep(
     experiment: str,

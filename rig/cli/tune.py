@@ -13,8 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rig.cli.names import complete_config, complete_rig, configs_option, set_option
-from rig.cli.tables import Table, print_tables
+from rig.cli.names import (
+    complete_config,
+    complete_rig,
+    configs_option,
+    json_option,
+    out_option,
+    set_option,
+)
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.tuning.search import FoundGains
@@ -37,17 +44,18 @@ if TYPE_CHECKING:
 @click.option("--dry-run", is_flag=True, help="Search and judge, but put nothing in force.")
 @click.option("--replace", is_flag=True, help="Put in force what is found, though it be worse.")
 @click.option("--operator", default=None, help="Who tunes; default: the user's name.")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
-              help="Where the search keeps what it has tried.")  # fmt: skip
+@out_option
 @set_option
 @configs_option
+@json_option
 def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> int:
     """Find gains of RIG's law, and write configs/calibration/RIG/controllers.LAW.yaml.
 
     The law runs on simulated plants that are as the profile and its calibration say, and on
     others within what they leave open. Gains are put in force that keep their distance from
     instability on all of them; the older file is kept, as by `rig calibrate`, whose --history,
-    --diff and --restore take controllers.LAW for a device. Interrupted, the same command goes on.
+    --diff and --restore take controllers.LAW for a device. Interrupted, the same command goes on
+    from what it has kept among the runs.
     """
     from rig.config.names import find_configs
     from rig.sweeping.errors import SweepStopped
@@ -77,14 +85,23 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
         return 130
     click.echo("on every plant of the ensemble, before and now …", err=True)
     before, now = judge(bench, search.before), judge(bench, found.gains)
-    _show(bench, before, now)
-    _draw(folder, found, now, before)
     against = objections(now, before)
+    refused = bool(against) and not options["replace"]
+    is_put = not refused and not options["dry_run"]
+    if not options["as_json"]:
+        _show(bench, before, now)
+    _draw(folder, found, now, before)
     for objection in against:
         click.echo(f"against these gains: {objection}", err=True)
+    file = _apply(bench, request, now, find_configs(configs), options) if is_put else None
+    if options["as_json"]:
+        print_json({
+            "folder": folder, "unit": bench.unit, "before": _as_data(before), "now": _as_data(now),
+            "objections": against, "file": file,
+        })  # fmt: skip
     if options["dry_run"]:
         return 0
-    if against and not options["replace"]:
+    if refused:
         click.echo(
             "nothing was changed; the same command with more than --generations "
             f"{options['generations']} goes on from here, and --replace puts them in force all the "
@@ -92,7 +109,23 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
             err=True,
         )
         return 1
-    return _apply(bench, request, now, find_configs(configs), options)
+    return 0
+
+
+def _as_data(verdict: EnsembleVerdict) -> dict[str, object]:
+    """Return what gains came to as plain data, SI: what is not finite was lost."""
+    names = verdict.nominal.errors
+    return {
+        "gains": verdict.gains,
+        "told": {name: verdict.nominal.errors[name] for name in names},
+        "worst": {name: verdict.worst(name)[0] for name in names},
+        "worst_on": {name: verdict.worst(name)[1].name for name in names},
+        "hunting": verdict.hunting,
+        "reversals": verdict.reversals,
+        "lost": [member.name for member in verdict.lost],
+        "robust": verdict.robust,
+        "cost": verdict.cost,
+    }
 
 
 def _folder(out: Path, bench: Workbench, request: Request) -> Path:
@@ -164,7 +197,8 @@ def _draw(folder: Path, found: FoundGains, now: EnsembleVerdict, before: Ensembl
 def _apply(
     bench: Workbench, request: Request, now: EnsembleVerdict, search: Sequence[Path],
     options: dict[str, Any],
-) -> int:  # fmt: skip
+) -> Path:  # fmt: skip
+    """Put gains in force, and return their file."""
     from rig.assembly import REGISTRY
     from rig.cli.status import tell_next
     from rig.config import load_profile
@@ -188,4 +222,4 @@ def _apply(
     else:
         click.echo(f"tuned for {request.experiment}: other motions may need other gains", err=True)
     tell_next(load_profile(request.rig, REGISTRY, (), search), search)
-    return 0
+    return path

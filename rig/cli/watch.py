@@ -8,7 +8,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, runs_option
+from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.tables import print_json
 from rig.run_names import LATEST, find_run
 
 
@@ -24,6 +25,7 @@ from rig.run_names import LATEST, find_run
 @click.option("--open", "opens", is_flag=True, help="Open the page in this machine's browser.")
 @click.option("--until-left", is_flag=True, hidden=True)
 @runs_option
+@json_option
 def watch(
     run: str | None,
     beside: str | None,
@@ -33,6 +35,7 @@ def watch(
     opens: bool,
     until_left: bool,
     runs: Path,
+    as_json: bool,
 ) -> int:
     """Serve a page that shows RUN; without it the one that goes on, or the latest.
 
@@ -62,6 +65,8 @@ def watch(
         click.echo(f"watch {path.name}: {look}", err=True)
         if steering is not None:
             click.echo(f"steer it: {steering}", err=True)
+        if as_json:  # now: who reads it wants the address while it is good for something
+            print_json({"run": path, "look": look, "steer": steering})
         if opens:
             import webbrowser
 

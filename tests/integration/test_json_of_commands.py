@@ -1,9 +1,12 @@
-"""`--json`: every command that prints a result has it, and prints JSON that any reader takes."""
+"""`--json`: every command has it, and prints JSON that any reader takes, and nothing else."""
 
 import importlib
 import json
 import math
 import random
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import click
@@ -12,16 +15,8 @@ import pytest
 from rig.cli import invoke
 from rig.cli.command_table import COMMANDS
 from rig.cli.tables import finite
+from rig.config.names import find_configs
 
-WITHOUT = {
-    "simulate": "goes on until it is stopped",
-    "watch": "goes on until it is stopped",
-    "reset": "says whether it could, by its exit code",
-    "schema": "what it prints is JSON",
-    "completion": "what it prints is a script",
-    "calibrate": "asks and tells step by step; its result is a sealed file",
-    "tune": "tells step by step; its result is a sealed file",
-}
 QUICK = (
     "--on",
     "sim",
@@ -52,12 +47,38 @@ def commands():
         yield from below(name, getattr(importlib.import_module(module), attribute))
 
 
-def test_every_command_has_it_but_those_that_print_no_result():
+def options_of(command):
+    return {word for parameter in command.params for word in parameter.opts}
+
+
+def test_every_command_has_it_and_is_driven_with_it_below():
+    found = dict(commands())
+    assert [name for name, command in found.items() if "--json" not in options_of(command)] == []
+    driven = {name for name in found for words in DRIVEN.values() if begins(words, name.split())}
+    assert driven == set(found)
+
+
+def begins(words, name):
+    return words[: len(name)] == name
+
+
+def test_the_folder_of_runs_has_both_names_everywhere():
+    """A command that looks for a run and writes something else keeps `--out` for that."""
     lacking = {
         name for name, command in commands()
-        if not any("--json" in parameter.opts for parameter in command.params)
+        if len(options_of(command) & {"--out", "--runs"}) == 1
     }  # fmt: skip
-    assert lacking == set(WITHOUT)
+    assert lacking == {"sweep", "faults run"}, "these have a folder of their own"
+
+
+@pytest.mark.parametrize("option", ["--out", "--runs"])
+def test_runs_are_found_by_either_name(option, lab, monkeypatch, capsys):
+    monkeypatch.chdir(lab / "runs")
+    for words in (["list", "runs"], ["explain", "latest"], ["status", "cylinder"], ["stop"]):
+        code = invoke([*words, "--json", option, "../runs"])
+        told = capsys.readouterr()
+        assert code == (1 if words == ["stop"] else 0), told.err
+        assert words == ["stop"] or "cylinder-step" in told.out
 
 
 def strict(text):
@@ -72,48 +93,126 @@ def strict(text):
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lab")
+    shutil.copytree(find_configs(None)[0], folder / "configs")
     words = ["run", "cylinder-step", "--no-report", "--out", str(folder / "runs"), *QUICK]
     for seed in ("1", "2"):
-        assert invoke([*words, "--seed", seed]) in (0, 1)
+        more = ["--on", "virtual", "--frames"] if seed == "1" else []
+        assert invoke([*words, "--seed", seed, *more]) in (0, 1)
     return folder
 
 
-PRINTED = {
-    "diff": ["diff", "FIRST", "SECOND"],
-    "export": ["export", "FIRST", "--format", "csv"],
-    "report": ["report", "FIRST"],
-    "rerun": ["rerun", "FIRST", "--no-report"],
-    "replay": ["replay", "FIRST"],
-    "replay another": ["replay", "FIRST", "--controller", "pid"],
+GROUP = "udp_multicast:239.74.163.57"
+TUNE = (
+    "--controller", "pid", "--for", "cylinder-step", "--generations", "3", "--dry-run",
+    "--set", "plant.model=antagonistic-pair", "--set", "reference.dwell=1 s",
+    "--set", "reference.rise=0.2 s",
+)  # fmt: skip
+DRIVEN = {
+    "run": ["run", "cylinder-step", "--no-report", *QUICK],
+    "compare": ["compare", "cylinder-step", "--controllers", "cascade,pid", *QUICK],
+    "sweep": ["sweep", "cylinder-step", "--seeds", "1:3", *QUICK],
+    "new": ["new", "experiment", "mine", "--rig", "cylinder"],
+    "check": ["check", "cylinder-step"],
+    "doctor": ["doctor", "cylinder"],
+    "status": ["status", "cylinder"],
+    "commission": ["commission", "cylinder", "--dry-run"],
+    "calibrate": ["calibrate", "cylinder"],
+    "calibrate by": ["calibrate", "cylinder", "response", "--yes", "--on", "sim"],
+    "calibrate history": ["calibrate", "cylinder", "--history", "cylinder"],
+    "calibrate diff": ["calibrate", "cylinder", "--diff", "cylinder", "cylinder"],
+    "tune": ["tune", "cylinder", *TUNE],
+    "watch": ["watch", "FIRST", "--port", "0", "--steer"],
     "stop": ["stop"],
+    "reset": ["reset", "cylinder"],
+    "simulate": ["simulate", "cylinder", "--on", GROUP],
+    "monitor": ["monitor", "cylinder", "--frames", "FIRST", "--for", "0.2"],
+    "faults list": ["faults", "list", "cylinder"],
+    "faults run": ["faults", "run", "cylinder", "--only", "encoder_alarm", "--seed", "3"],
     "list": ["list"],
     "explain": ["explain", "FIRST"],
-    "check": ["check", "cylinder-step"],
-    "status": ["status", "cylinder"],
-    "faults list": ["faults", "list", "cylinder"],
-    "commission": ["commission", "cylinder", "--dry-run"],
+    "explain word": ["explain", "tracking_rms"],
+    "report": ["report", "FIRST"],
+    "export": ["export", "FIRST", "--format", "csv"],
+    "rerun": ["rerun", "FIRST", "--no-report"],
+    "diff": ["diff", "FIRST", "SECOND"],
+    "replay": ["replay", "FIRST"],
+    "replay another": ["replay", "FIRST", "--controller", "pid"],
     "schema": ["schema", "profile"],
+    "completion": ["completion", "bash"],
+}
+"""Every command, in the order in which they find what they need."""
+SERVING = {"watch": "steer", "simulate": "buses"}
+"""Those that go on until they are stopped, and a key of what they print when they have begun."""
+LINES = {"monitor"}
+"""Those that print an object per line, for as long as it takes."""
+CONTENT = {
+    "run": lambda found: found["status"] == "ok" and found["metrics"][0]["name"],
+    "compare": lambda found: found["labels"] == ["cascade", "pid"],
+    "calibrate": lambda found: "response" in {one["name"] for one in found},
+    "calibrate by": lambda found: (
+        found[0]["found"][0]["estimates"][0]["std"] > 0.0
+        and Path(found[0]["files"][0]).is_file()
+        and {"cascade", "pid"} <= set(found[0]["loops"])
+    ),
+    "calibrate history": lambda found: found[0]["provenance"]["procedure"] == "response",
+    "calibrate diff": lambda found: all(one["a"] == one["b"] for one in found["quantities"]),
+    "tune": lambda found: (
+        found["file"] is None and set(found["now"]["gains"]) == set(found["before"]["gains"])
+    ),
+    "watch": lambda found: found["look"].startswith("http://127.0.0.1:") and found["steer"],
+    "reset": lambda found: found["was_latched"] is None and not found["is_latched"],
+    "simulate": lambda found: "regulators" in found["buses"]["can0"]["devices"],
+    "monitor": lambda found: len(found) > 100 and all(isinstance(one, dict) for one in found),
+    "faults run": lambda found: found[0]["case"]["first"],
+    "diff": lambda found: (
+        {"overshoot", "air_used"} <= {metric["name"] for metric in found["metrics"]}
+        and found["log"] is not None
+    ),
+    "replay": lambda found: found["same"] is True and found["cycles"] > 1000,
+    "replay another": lambda found: all(isinstance(o["rms"], float) for o in found["commands"]),
+    "rerun": lambda found: found["compared"] and found["difference"] is None,
+    "completion": lambda found: "_RIG_COMPLETE" in found["script"],
 }
 
 
-@pytest.mark.parametrize("name", PRINTED)
-def test_what_is_printed_is_json(name, lab, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] if name == "tune" else []) for name in DRIVEN],
+)
+def test_what_is_printed_is_json(name, lab, monkeypatch, capfd):
     monkeypatch.chdir(lab)
-    first, second, *_ = sorted(path.name for path in Path("runs").iterdir() if path.is_dir())
-    words = [{"FIRST": first, "SECOND": second}.get(word, word) for word in PRINTED[name]]
-    code = invoke([*words, *(["--json"] if name != "schema" else [])])
-    told = capsys.readouterr()
-    assert code in (0, 1), told.err
-    content = strict(told.out)
-    if name == "diff":
-        assert {"overshoot", "air_used"} <= {metric["name"] for metric in content["metrics"]}
-        assert content["log"] is not None
-    if name == "replay another":
-        assert all(isinstance(one["rms"], float) for one in content["commands"])
-    if name == "replay":
-        assert content["same"] is True and content["cycles"] > 1000
-    if name == "rerun":
-        assert content["compared"] and content["difference"] is None
+    given = sorted(path for path in Path("runs").iterdir() if (path / "manifest.json").exists())
+    first = next(path.name for path in given if (path / "frames.log").exists())
+    second = next(path.name for path in given if path.name != first)
+    words = [{"FIRST": first, "SECOND": second}.get(word, word) for word in DRIVEN[name]]
+    if name in SERVING:
+        text = printed_until_stopped([*words, "--json"], SERVING[name])
+    else:
+        code = invoke([*words, "--json"])
+        told = capfd.readouterr()
+        text = told.out
+        assert code in (0, 1) or (name == "doctor" and code == 3), told.err
+    found = [strict(line) for line in text.splitlines()] if name in LINES else strict(text)
+    assert CONTENT.get(name, lambda _: True)(found), found
+
+
+def printed_until_stopped(words, key):
+    """Return what a command prints, which is interrupted when it has printed its object."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rig", *words],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    try:
+        lines = []
+        for line in process.stdout:
+            lines.append(line)
+            if line.startswith("}"):
+                break
+        assert any(f'"{key}"' in line for line in lines), "it was not printed before it was stopped"
+    finally:
+        process.terminate()
+        rest, _ = process.communicate(timeout=30)
+    return "".join(lines) + rest
 
 
 @pytest.mark.parametrize("seed", range(20))
