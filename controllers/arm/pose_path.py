@@ -5,27 +5,24 @@ through wrist and shoulder as on a line; see `look-ahead`.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from operator import add
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from annotated_types import Gt, Unit
 
 from controllers.arm.geometry import SixAngles
-from controllers.arm.kinematics import Dimensions
+from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.places.frames import Place, TaughtFrame, frame_called
+from controllers.arm.places.poses import Poses, read_poses
 from controllers.arm.trajectory import ArmPath, Trajectory
-from controllers.arm.types import Joints
+from controllers.arm.types import Joints, Pose
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import number_in, read_table
 
-Length = Annotated[float, Unit("m")]
-Place = tuple[Length, Length, Length]
-Quaternion = tuple[float, float, float, float]
-
-_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
-_POSITION, _ROTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+_BASE, _START = "base", "start"
 _NEAR = (0.0, math.radians(20.0), math.radians(90.0), 0.0, math.radians(30.0), 0.0)
 
 
@@ -36,13 +33,13 @@ class PosePath(ArmPath):
     Parameters
     ----------
     file : str
-        A CSV file: a header with ``x (mm), y (mm), z (mm)`` in any unit of length and, if the
-        tool turns, the quaternion ``qw, qx, qy, qz`` of its rotation; a row for each place.
+        A CSV or YAML file: a header with ``x (mm), y (mm), z (mm)`` in any unit of length and, if
+        the tool turns, its rotation or its direction; a row for each place. See `read_poses`.
     points : tuple of tuple of float
         Instead of a file: places, m; the tool keeps its direction.
-    frame : str
-        ``base``: places and rotations are the base's. ``start``: they are seen from the hand as
-        it is at `near`, in its tool's axes.
+    frame : str or TaughtFrame
+        In whose axes places and rotations are. ``base``; ``start``: the tool's as it is at `near`;
+        the name of one of the rig's `frames`; or a frame that is given here.
     near : tuple of float
         Joints near which the path begins, rad: they say which of the arm's branches it takes, and
         how the tool points if no rotation is given. Where a joint would leave its range that it
@@ -53,7 +50,7 @@ class PosePath(ArmPath):
 
     file: str = ""
     points: tuple[Place, ...] = ()
-    frame: Literal["base", "start"] = "base"
+    frame: str | TaughtFrame = _BASE
     near: SixAngles = _NEAR
     speed: Annotated[float, Unit("m/s"), Gt(0)] = 0.1
 
@@ -66,6 +63,18 @@ class PosePath(ArmPath):
         q1, q2, q3, q4, q5, q6 = map(add, self.near, turns)
         return replace(self, near=(q1, q2, q3, q4, q5, q6))
 
+    def seen_in(self, frames: Mapping[str, TaughtFrame]) -> "PosePath":
+        """Return the same path with one of a rig's frames, if it names one.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It names one that the rig has not.
+        """
+        if isinstance(self.frame, TaughtFrame) or self.frame in (_BASE, _START):
+            return self
+        return replace(self, frame=frame_called(self.frame, frames))
+
     def trajectory(self, arm: Dimensions) -> Trajectory:
         """Return the path; see `ArmPath`.
 
@@ -76,67 +85,22 @@ class PosePath(ArmPath):
         """
         from controllers.arm.pose_trajectory import PoseTrajectory
 
-        places, rotations = read_places(Path(self.file)) if self.file else (list(self.points), None)
-        for number, (before, after) in enumerate(pairwise(places), 2):
+        poses = read_poses(Path(self.file)) if self.file else Poses(list(self.points))
+        for number, (before, after) in enumerate(pairwise(poses.places), 2):
             if before == after:
                 raise InfeasibleMotion(f"place {number} of the path is place {number - 1} again.")
-        if len(places) < 2:
-            raise InfeasibleMotion(f"a path needs two places at least; there is {len(places)}.")
-        return PoseTrajectory(
-            arm, places, rotations, self.near, self.speed, from_start=self.frame == "start"
-        )
+        if len(poses.places) < 2:
+            raise InfeasibleMotion(
+                f"a path needs two places at least; there is {len(poses.places)}."
+            )
+        return PoseTrajectory(arm, poses, self._frame(arm), self.near, self.speed)
 
-
-def read_places(path: Path) -> tuple[list[Place], list[Quaternion] | None]:
-    """Return the places (m) and, if there are any, the rotations of a CSV file.
-
-    Raises
-    ------
-    InfeasibleMotion
-        With the line and what is wrong with it.
-    """
-    rows = read_table(path)
-    names = [name.strip().replace("(", " ").replace(")", "").split() for name in (rows or [[]])[0]]
-    columns = {name[0]: k for k, name in enumerate(names) if name}
-    missing = [name for name in _POSITION if name not in columns]
-    turning = [name for name in _ROTATION if name in columns]
-    if missing or (turning and len(turning) < len(_ROTATION)):
-        raise InfeasibleMotion(
-            f"{path}, line 1: the header has to name x, y and z with their units, and all of qw, "
-            f"qx, qy, qz or none; it has {', '.join(columns) or 'nothing'}."
-        )
-    scales = [_scale(path, names[columns[name]]) for name in _POSITION]
-    places, rotations = [], []
-    for line, row in enumerate(rows[1:], 2):
-        if not row:
-            continue
-        values = [_number(path, line, row, columns[name]) for name in (*_POSITION, *turning)]
-        x, y, z = (scale * value for scale, value in zip(scales, values[:3], strict=True))
-        places.append((x, y, z))
-        if turning:
-            w, i, j, k = values[3:]
-            if abs(math.hypot(w, i, j, k) - 1.0) > 1e-2:
-                raise InfeasibleMotion(
-                    f"{path}, line {line}: the quaternion's length is "
-                    f"{math.hypot(w, i, j, k):.4g} instead of 1."
-                )
-            rotations.append((w, i, j, k))
-    return places, rotations if turning else None
-
-
-def _scale(path: Path, name: list[str]) -> float:
-    unit = name[1] if len(name) > 1 else ""
-    if unit not in _UNITS:
-        raise InfeasibleMotion(
-            f"{path}, line 1: the unit of {name[0]} is {unit or 'missing'}; write {name[0]} (mm), "
-            f"or one of {', '.join(_UNITS)}."
-        )
-    return _UNITS[unit]
-
-
-def _number(path: Path, line: int, row: list[str], column: int) -> float:
-    text = row[column] if column < len(row) else ""
-    value = number_in(text)
-    if not math.isfinite(value):
-        raise InfeasibleMotion(f"{path}, line {line}: {text!r} is no number.")
-    return value
+    def _frame(self, arm: Dimensions) -> Pose | None:
+        """Return the pose of the frame in the base; None: it is the base's own."""
+        if self.frame == _BASE:
+            return None
+        if self.frame == _START:
+            return forward(arm, self.near)
+        if isinstance(self.frame, TaughtFrame):
+            return Pose(self.frame.origin, self.frame.axes)
+        return self.seen_in({})._frame(arm)

@@ -1,15 +1,13 @@
 """A spline through poses as a trajectory: nominal time is length over speed."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation as Turn
-from scipy.spatial.transform import RotationSpline
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, branch_of, reachable
 from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.places.poses import Poses
+from controllers.arm.places.turning import Constant, Pointed, Splined, ToolTurning
 from controllers.arm.types import Joints, Pose, Twist, Vector
 from controllers.motion import InfeasibleMotion
 
@@ -22,7 +20,20 @@ _ROUNDS = 4
 
 
 class PoseTrajectory:
-    """A spline through poses; parameters are those of `PosePath`.
+    """A spline through poses.
+
+    Parameters
+    ----------
+    arm : Dimensions
+        Of the arm.
+    poses : Poses
+        Places and how the tool stands there, as their frame sees them.
+    frame : Pose, optional
+        Of the frame in the base; None: the base's own.
+    near : tuple of float
+        See `PosePath`.
+    speed : float
+        Of the hand, m/s.
 
     Raises
     ------
@@ -31,27 +42,16 @@ class PoseTrajectory:
     """
 
     def __init__(
-        self,
-        arm: Dimensions,
-        places: Sequence[Vector],
-        rotations: Sequence[tuple[float, float, float, float]] | None,
-        near: Joints,
-        speed: float,
-        *,
-        from_start: bool,
+        self, arm: Dimensions, poses: Poses, frame: Pose | None, near: Joints, speed: float
     ) -> None:
-        hand = forward(arm, near)
-        tool = Turn.from_matrix(np.array(hand.rotation))
-        points = np.array(places, dtype=np.float64)
-        if from_start:
-            points = tool.apply(points) + np.array(hand.position)
+        points = np.array(poses.places, dtype=np.float64)
+        axes = np.eye(3)
+        if frame is not None:
+            axes = np.array(frame.rotation)
+            points = points @ axes.T + np.array(frame.position)
         u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
         self._places = CubicSpline(u, points)
-        self._turns: RotationSpline | None = None
-        self._tool = tool
-        if rotations is not None:
-            turns = Turn.from_quat(np.roll(np.array(rotations), -1, axis=1))
-            self._turns = RotationSpline(u, tool * turns if from_start else turns)
+        self._turning = _turning(u, poses, axes, np.array(forward(arm, near).rotation))
         fine = np.unique(np.concatenate((np.linspace(0.0, u[-1], _SAMPLES), u)))
         slopes = np.linalg.norm(self._places(fine, 1), axis=1)
         middle = np.linalg.norm(self._places(0.5 * (fine[1:] + fine[:-1]), 1), axis=1)
@@ -70,9 +70,8 @@ class PoseTrajectory:
     def pose(self, t: float) -> Pose:
         """Return the pose at a nominal time."""
         u = float(self._at(self.speed * t))
-        turn = self._tool if self._turns is None else self._turns(u)
         x, y, z = self._places(u).tolist()
-        first, second, third = (tuple(row) for row in turn.as_matrix().tolist())
+        first, second, third = (tuple(row) for row in self._turning.at(u).tolist())
         return Pose((x, y, z), (first, second, third))
 
     def twist(self, t: float) -> Twist:
@@ -80,10 +79,7 @@ class PoseTrajectory:
         s = self.speed * t
         u, rate = float(self._at(s)), self.speed * float(self._at(s, 1))
         vx, vy, vz = (rate * self._places(u, 1)).tolist()
-        if self._turns is None:
-            return Twist((vx, vy, vz), (0.0, 0.0, 0.0))
-        # Of a spline of rotations it is given in the tool's axes.
-        wx, wy, wz = (rate * self._turns(u).apply(self._turns(u, 1))).tolist()
+        wx, wy, wz = (rate * self._turning.rate(u)).tolist()
         return Twist((vx, vy, vz), (wx, wy, wz))
 
     def command_at(self, gone: float) -> Twist:
@@ -112,3 +108,13 @@ class PoseTrajectory:
         except OutOfReach as error:
             raise InfeasibleMotion(f"the path cannot be begun: {error}.") from error
         return min(found, key=lambda q: float(np.linalg.norm(np.subtract(q, near))))
+
+
+def _turning(u: Array, poses: Poses, axes: Array, tool: Array) -> ToolTurning:
+    """Return how the tool turns; `axes` are the frame's in the base, `tool` stands at `near`."""
+    if poses.quaternions is not None:
+        return Splined(u, poses.quaternions, axes)
+    if poses.directions is not None:
+        directions = [tuple(axes @ direction) for direction in poses.directions]
+        return Pointed(u, directions, poses.spins, tool)
+    return Constant(tool)

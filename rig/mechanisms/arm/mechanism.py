@@ -13,6 +13,7 @@ from controllers.arm.kinematics import (
 )
 from controllers.arm.law import AnyArmLaw
 from controllers.arm.online.commands import ArmTwists
+from controllers.arm.pose_path import PosePath
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
 from controllers.slowed_law import SlowedLaw
@@ -104,6 +105,7 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             return KnownTwists(plan, settings.geometry, reference)
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")
+        reference = _in_frames(settings, reference)
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
 
     @classmethod
@@ -130,6 +132,7 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             raise ValueError("twists are followed as they come, and no more slowly")
         if not isinstance(reference, get_args(ArmPathSettings)):
             return None
+        reference = _in_frames(settings, reference)
         law = controller.at_period(share * period)
         plan = law.prepare(reference).stretched(share)
         return SlowedLaw(law, share, ArmCommand), PlannedArmMotion(
@@ -166,3 +169,8 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             *singularity_indices(arm, q),
             *planned,
         )
+
+
+def _in_frames(settings: ArmSettings, path: ArmPathSettings) -> ArmPathSettings:
+    """Return a path that knows the rig's frame which it names."""
+    return path.seen_in(settings.frames) if isinstance(path, PosePath) else path

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Interval, Unit
 
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.places.frames import TaughtFrame
 from rig.mechanisms.servo.settings import ServoSettings
 
 
@@ -51,7 +52,10 @@ class ArmSettings(ServoSettings):
         How the hand's positions are measured in a calibration.
     emergency_stop : str, optional
         The device that reads the emergency-stop contact.
+    frames : dict of TaughtFrame
+        Of fixtures and work pieces, by name: a path's `frame` may be one of them.
     """
 
     geometry: ArmGeometry = field(default_factory=ArmGeometry)
     metrology: HandMetrology = field(default_factory=HandMetrology)
+    frames: dict[str, TaughtFrame] = field(default_factory=dict)

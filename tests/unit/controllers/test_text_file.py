@@ -5,12 +5,12 @@ import os
 import pytest
 
 from controllers.arm.online.commands import read_rows
-from controllers.arm.pose_path import read_places
+from controllers.arm.places.poses import read_poses
 from controllers.gait.footstep_file import read_footsteps
 from controllers.motion import InfeasibleMotion
 from controllers.text_file import MOST, read_lines
 
-READERS = (read_lines, read_rows, read_places, read_footsteps)
+READERS = (read_lines, read_rows, read_poses, read_footsteps)
 
 
 @pytest.mark.parametrize("read", READERS)
@@ -42,7 +42,7 @@ def test_a_file_of_the_greatest_length_is_read_without_its_mark(tmp_path):
     assert read_lines(path) == [""] * (MOST - 3)
 
 
-@pytest.mark.parametrize("read", [read_rows, read_places, read_footsteps])
+@pytest.mark.parametrize("read", [read_rows, read_poses, read_footsteps])
 def test_a_line_and_a_quotation_without_an_end_are_refused(read, tmp_path):
     path = tmp_path / "motion.csv"
     path.write_text(f"x (mm)\n1,{'9' * 200_000}\n")

@@ -1,0 +1,1 @@
+"""Places for the hand to go through: out of files, seen in frames, with how the tool turns."""
