@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
+from typing import get_args
 
 from pydantic_core import ErrorDetails
 
@@ -10,7 +11,7 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.formats import format_quantity
 from rig.config.located import BROKEN, Node
 from rig.config.quantities import usual_units
-from rig.config.type_hints import hint_at, split_annotated, unit_of
+from rig.config.type_hints import hint_at, is_union, split_annotated, unit_of
 from rig.hal.rules import told_by
 
 _SCALARS = {float: "a number", int: "a whole number", bool: "true or false", str: "text"}
@@ -28,6 +29,8 @@ def report(
     sized = place.value if isinstance(place.value, list | dict) else ()
     if kind == "too_short" and len(sized) >= context.get("min_length", 1):
         return
+    if kind == "string_type" and isinstance(place.value, dict) and _may_map(settings, path):
+        return  # a text would do as well, but what is wrong is within the mapping
     name = ".".join(map(str, path)) or "this"
     if kind == "missing":
         missing = details["loc"][-1]
@@ -55,6 +58,12 @@ def report(
         expected = _expected(kind, context, hint_at(settings, path))
         message = f"{name} is {shown(place.plain())}, expected {expected}"
         problems.add(place.mark, message, _choice(place, context, kind))
+
+
+def _may_map(settings: type, path: tuple[str | int, ...]) -> bool:
+    """Return whether settings may stand at a place instead of what else it takes."""
+    bare, _ = split_annotated(hint_at(settings, path))
+    return is_union(bare) and any(is_dataclass(arm) for arm in get_args(bare))
 
 
 def report_rule(place: Node, message: str, problems: Problems) -> None:

@@ -1,6 +1,7 @@
 """An arm's motion as the loop follows it: end, segments and log, and what is known of it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,13 +9,22 @@ from motion_fakes import PATH, ArmBench, arm_motion, arm_plan
 from servo_fakes import ACCELERATION, PERIOD
 
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.optimum import least_time
+from controllers.arm.places.frames import TaughtFrame
+from controllers.arm.pose_path import PosePath
 from controllers.arm.types import ArmCommand, ArmReference
+from controllers.motion import InfeasibleMotion
+from rig.config.diagnostics import Problems
+from rig.config.located import Source
+from rig.config.settings import build
+from rig.config.yaml_loader import parse
 from rig.hal import LimitExceeded
 from rig.hal.motion import Segment
 from rig.mechanisms.arm.facts import facts_of_plan, return_error
 from rig.mechanisms.arm.mechanism import SETTLING, Arm
 from rig.mechanisms.arm.settings import ArmSettings
+from rig.mechanisms.servo.settings import ServoLimits
 
 STILL = (0.0,) * 6
 
@@ -213,3 +223,27 @@ def test_joints_that_end_whole_turns_apart_have_returned():
     places = np.zeros((4, 6))
     places[:, 2] = (0.25, 9.0, 9.5, 1.0)
     assert facts(count=4, positions=places)["return_error"] == 0.75
+
+
+def test_a_path_is_seen_in_the_frame_of_the_rig_that_it_names():
+    axes = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    table = TaughtFrame((0.4, 0.1, 0.2), on_x=(0.4, 0.3, 0.2), in_xy=(0.3, 0.3, 0.2))
+    settings = ArmSettings(servos=("drives",), limits=ServoLimits(), frames={"table": table})
+    law = LookAhead(LookAheadSettings(), settings.geometry, PERIOD)
+    seen = PosePath(points=((0.0, 0.0, 0.0), (0.05, 0.02, 0.0)), frame="table")
+    motion = Arm.plan(settings, seen, law, PERIOD)
+    _, slowed = Arm.slowed(settings, seen, law, PERIOD, 0.5)
+    ends = [np.array(axes) @ point + table.origin for point in seen.points]
+    for made in (motion, slowed):
+        np.testing.assert_allclose(made.plan.hand[[0, -1]], ends, atol=1e-9)
+    with pytest.raises(InfeasibleMotion, match="of the rig table"):
+        Arm.plan(settings, replace(seen, frame="chair"), law, PERIOD)
+
+
+def test_a_frame_that_says_no_axes_is_one_error_at_its_place():
+    text = "points: [[0, 0, 0], [1, 0, 0]]\nframe: {on_x: [1, 0, 0], in_xy: [2, 0, 1.0e-4]}\n"
+    problems = Problems()
+    assert build(PosePath, parse(Source("path.yaml", text), problems), problems) is None
+    (only,) = problems.error().diagnostics
+    assert (only.mark.line, only.mark.column) == (2, 1)
+    assert only.message.startswith("in_xy is 0.1 mm from the line")
