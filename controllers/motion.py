@@ -10,7 +10,17 @@ class InfeasibleMotion(ValueError):
 
 
 class LongMotion(InfeasibleMotion):
-    """The requested motion takes longer than is permitted."""
+    """The requested motion takes longer than is permitted.
+
+    Attributes
+    ----------
+    duration : float
+        At least so long it takes, s.
+    """
+
+    def __init__(self, message: str, duration: float) -> None:
+        super().__init__(message)
+        self.duration = duration
 
 
 def check_length(duration: float, longest: float) -> None:
@@ -31,5 +41,6 @@ def check_length(duration: float, longest: float) -> None:
     if not duration <= longest:
         raise LongMotion(
             f"the motion takes at least {duration:.4g} s, the longest that is permitted is "
-            f"{longest:g} s."
+            f"{longest:g} s.",
+            duration,
         )

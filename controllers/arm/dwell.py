@@ -14,6 +14,10 @@ _LEAST = 0.6
 """Share of the constant of a dwell without ramps that one with ramps keeps at least."""
 
 
+_STEPS = 400
+"""Of the first half of a dwell, when its elbow's peak is looked for."""
+
+
 class Switch(NamedTuple):
     """b and its rate where the hand enters the region; it leaves with ``b, -rate``.
 
@@ -199,6 +203,32 @@ class RampDwell:
         x = into / self._ramp
         blend = x * x * (3.0 - 2.0 * x)
         return b + (self.middle - b) * blend + rate * self._ramp * x * (1.0 - x) ** 2
+
+
+def elbow_peak(
+    arm: Dimensions, q_s: float, profile: QuinticDwell | RampDwell
+) -> tuple[float, float]:
+    """Return when the elbow is fastest within the region, s since it was entered, and how fast.
+
+    The rate, rad/s, is positive. It is soon after the border, within the first half.
+
+    Notes
+    -----
+    ``q3' = r_s b(t)``: one equation, in steps that are the shorter the nearer to the border.
+    """
+
+    def rate(t: float, angle: float) -> float:
+        radius = math.sqrt(arm.a2**2 + arm.a3**2 + 2.0 * arm.a2 * arm.a3 * math.cos(angle))
+        return radius * abs(profile.at(t))
+
+    angle, last, peak = q_s, 0.0, (0.0, rate(0.0, q_s))
+    for k in range(1, _STEPS + 1):
+        t = 0.5 * profile.duration * (k / _STEPS) ** 4
+        half = 0.5 * (t - last)
+        middle = angle - half * rate(last, angle)
+        angle -= 2.0 * half * rate(last + half, middle)
+        last, peak = t, max(peak, (t, rate(t, angle)), key=lambda its: its[1])
+    return peak
 
 
 def make_dwell(

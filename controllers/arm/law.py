@@ -17,11 +17,14 @@ from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
-from controllers.motion import InfeasibleMotion, check_length
+from controllers.motion import InfeasibleMotion, LongMotion, check_length
 
 _TRIES = 6
 """So many slower motions are tried until one fits."""
-_SLOWEST = 30.0
+_SLOWEST = 1e9
+"""Times as long beyond which no speed is looked for."""
+_TRIED = 60_000
+"""Cycles of a slower motion beyond which it is not tried: that would take longer than one waits."""
 
 
 class MotionEnd:
@@ -150,24 +153,37 @@ class ArmLaw(
         return plan
 
     def _fitting(self, path: ArmPathSettings, factor: float) -> str:
-        """Say at which speed a path would fit, which is tried.
+        """Say at which speed a path would fit, which is tried if it does not take too long.
 
         What a joint needs at a singularity is not in proportion to the speed: a slower motion may
         have its samples nearer to it.
         """
+        trial = self.at_period(self.period)
+        trial.longest = min(self.longest, _TRIED * self.period)
         for _ in range(_TRIES):
             slower = slower_path(path, factor)
             if slower is None or factor > _SLOWEST:
                 break
             try:
-                self.at_period(self.period)._within_ranges(slower.path)
+                trial._within_ranges(slower.path)
             except TooFast as error:
                 factor *= 1.001 * error.factor
+            except LongMotion as error:
+                return self._too_slow(slower.words, error.duration)
             except InfeasibleMotion:
                 break
             else:
                 return f"{slower.words} it would fit"
-        return f"no speed was found at which it would fit, down to 1/{_SLOWEST:g} of this one"
+        return "no speed was found at which it would fit"
+
+    def _too_slow(self, words: str, duration: float) -> str:
+        """Say of a speed that it would do, and why it was not tried or does not help."""
+        if duration > self.longest:
+            return (
+                f"{words} it would fit, but take at least {duration:.4g} s, and the longest that "
+                f"is permitted is {self.longest:g} s"
+            )
+        return f"{words} it should fit, which was not tried as it takes at least {duration:.4g} s"
 
     def follower(self, *, through: bool) -> TwistFollower:
         """Return what follows twists that come from outside; see `ArmTwists.boundary`.

@@ -14,7 +14,7 @@ from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, retime_within
-from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion
@@ -25,6 +25,9 @@ _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
 _LAST = 0.3
 """Share of a period that the last one has at least."""
+_BRISK = 0.03
+"""Speed of a line that turns back, m/s, and rate of a circle, rad/s, at which a slower one is
+sampled: where the tool does not turn the joints' path is the same at any speed."""
 _SHARES = tuple(0.8**k for k in range(20))
 """Of the commanded speed that are tried until a turn-back fits."""
 
@@ -87,10 +90,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
 
         if isinstance(trajectory, PoseTrajectory | TurnTrajectory):
             return axis_path_of_line(self.arm, trajectory)
-        share = 1.0
-        if isinstance(trajectory, StraightTrajectory):
-            share = self._share_with_region(trajectory)
-            trajectory = trajectory.slower(share)
+        trajectory, share = self._brisk(trajectory)
         period = _FINE
         samples, duration = self._fine(trajectory, period)
         longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))
@@ -98,6 +98,19 @@ class LookAhead(ArmLaw[LookAheadSettings]):
             period *= max(FINEST / longest, _SHORTEST)
             samples, duration = self._fine(trajectory, period)
         return axis_path_of_motion(samples, period, duration, share)
+
+    def _brisk(self, trajectory: Trajectory) -> tuple[Trajectory, float]:
+        """Return a path at a speed at which it is sampled, and that speed over its own."""
+        share = 1.0
+        if isinstance(trajectory, CircularTrajectory):
+            share = max(_BRISK / trajectory.settings.rate, 1.0)
+            return (trajectory if share == 1.0 else trajectory.faster(self.arm, share)), share
+        if isinstance(trajectory, StraightTrajectory):
+            if trajectory.turn_rate == 0.0 and trajectory.speed < _BRISK:
+                share = _BRISK / trajectory.speed
+            share *= self._share_with_region(trajectory.slower(share))
+            return trajectory.slower(share), share
+        return trajectory, share
 
     def _share_with_region(self, trajectory: StraightTrajectory) -> float:
         """Return the share of a line's speed at which `esc` turns back on it, from where it starts.

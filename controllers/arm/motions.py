@@ -4,10 +4,13 @@ import math
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
+
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
-from controllers.arm.decomposition import Scale, full_scale
+from controllers.arm.decomposition import Scale, full_scale, joint_rates
 from controllers.arm.dwell import (
     elbow_at_depth,
+    elbow_peak,
     integral_exact,
     integral_taylor,
     make_dwell,
@@ -18,6 +21,7 @@ from controllers.arm.inverse import branch_of, inverse, reachable
 from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
+from controllers.arm.promises import check_rates
 from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import check_start, dwelling, radial_share, time_at_depth
@@ -69,7 +73,45 @@ def dwell_motion(
         switch = switch._replace(rate=0.0)
     whole = integral_taylor(arm, q_s) if integral == "taylor" else integral_exact(arm, q_s)
     b = make_dwell(profile, whole, trajectory.dwell, switch)
+    check_border(law, trajectory, enter, at_border, elbow_peak(arm, q_s, b))
     return dwelling(arm, trajectory, q_s, b, law, end)
+
+
+def check_border(
+    law: AnyArmLaw,
+    trajectory: StraightTrajectory,
+    enter: float,
+    q: Joints,
+    elbow: tuple[float, float],
+) -> None:
+    """Raise if a dwell needs too much at its region's border, between two samples of a plan.
+
+    The shallower the region, the higher and the shorter are the peaks there.
+
+    Parameters
+    ----------
+    law : ArmLaw
+        Whose promises are to be kept.
+    trajectory : StraightTrajectory
+        The line.
+    enter : float
+        Nominal time of the border, s.
+    q : tuple of float
+        Joints there, rad.
+    elbow : tuple of float
+        When the elbow is fastest, s later, and how fast, rad/s.
+
+    Raises
+    ------
+    TooFast
+        A joint would pass a limit that the law keeps.
+    """
+    scale = Scale(1.0, 1.0, 1.0 / math.sin(q[2] + law.arm.elbow_angle))
+    rates = joint_rates(law.arm, q, *trajectory.command, scale)
+    after, peak = elbow
+    rows = np.array([rates, (0.0, 0.0, peak, 0.0, 0.0, 0.0)])
+    instants = np.array([enter, enter + after])
+    check_rates(law.geometry, instants, rows, law.promised(trajectory))
 
 
 def forward_along(

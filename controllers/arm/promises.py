@@ -59,9 +59,9 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
     InfeasibleMotion
         The hand leaves its path.
     """
-    _check(plan, promises.rates, plan.rates, geometry.rate_limits, "rad/s", 1.0)
+    check_rates(geometry, plan.t, plan.rates, promises)
     limits = geometry.acceleration_limits
-    _check(plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
+    _check(plan.t, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise InfeasibleMotion(
@@ -70,8 +70,19 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
         )
 
 
+def check_rates(geometry: ArmGeometry, t: Array, rates: Array, promises: Promises) -> None:
+    """Raise if rates, rad/s, shape (n, 6), at instants, s, shape (n,), pass a promised limit.
+
+    Raises
+    ------
+    TooFast
+        As `check_promises`.
+    """
+    _check(t, promises.rates, rates, geometry.rate_limits, "rad/s", 1.0)
+
+
 def _check(
-    plan: ArmPlan,
+    t: Array,
     joints: tuple[int, ...],
     values: Array,
     limits: tuple[float, ...],
@@ -88,7 +99,7 @@ def _check(
         return
     joint = joints[int(place)]
     raise TooFast(
-        f"after {plan.t[k]:.3f} s {AXIS_NAMES[joint]} would need {abs(values[k, joint]):.4g} "
+        f"after {t[k]:.3f} s {AXIS_NAMES[joint]} would need {abs(values[k, joint]):.4g} "
         f"{unit}, beyond its limit of {limits[joint]:g} {unit}",
         worst**power,
     )

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from dataclasses import replace
 
 from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, reachable, wrist_of_pose
 from controllers.arm.kinematics import (
@@ -226,6 +227,10 @@ class CircularTrajectory:
         self._outwards = outwards
         self._centre = along(wrist, outwards, -self.r2)
         self.start = self._joints(arm, touch)
+
+    def faster(self, arm: Dimensions, share: float) -> "CircularTrajectory":
+        """Return the same circle with a multiple of its rate."""
+        return CircularTrajectory(arm, replace(self.settings, rate=share * self.settings.rate))
 
     def gamma(self, t: float) -> float:
         """Return the angle on the circle at a nominal time, rad."""

@@ -20,11 +20,11 @@ class PlannedArmMotion(PlannedMotion[ArmReference]):
     def __init__(self, plan: ArmPlan, geometry: ArmGeometry, path: object) -> None:
         self.plan = plan
         arm = dimensions_of(geometry)
-        points = [link_points(arm, tuple(q)) for q in plan.positions.tolist()]
+        points = np.array([link_points(arm, tuple(q))[2:4] for q in plan.positions.tolist()])
         columns = [
             plan.hand,
-            np.array([point[2] for point in points]),
-            np.array([point[3] for point in points]),
+            points[:, 0],
+            points[:, 1],
             plan.twist,
             plan.command,
             plan.indices,
@@ -32,7 +32,7 @@ class PlannedArmMotion(PlannedMotion[ArmReference]):
             plan.inside,
             plan.path,
         ]
-        super().__init__(np.column_stack(columns).tolist())
+        super().__init__(np.column_stack(columns))
         self.facts = self.facts_from(plan, geometry, path)
 
     @classmethod

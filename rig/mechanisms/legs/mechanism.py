@@ -61,7 +61,7 @@ class PlannedGait(PlannedMotion[LegsReference]):
             plan.attitudes.reshape(len(plan.t), 6),
             np.array([p.phase.standing for p in plan.phases], float)[plan.phase_number],
         ]
-        super().__init__(np.column_stack(columns).tolist())
+        super().__init__(np.column_stack(columns))
         self.facts = plan_facts(plan, fine, distance, flat)
 
     @property

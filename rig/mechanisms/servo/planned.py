@@ -1,8 +1,11 @@
 """Servo axes whose laws plan the whole motion before it begins."""
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar, Self, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.base import PlanningLaw
 from rig.hal import Device, Freeze, Vector
@@ -32,19 +35,21 @@ class PlannedMotion(Motion[Followed]):
 
     Parameters
     ----------
-    rows : sequence of sequence of float
+    rows : array-like, shape (n, columns)
         The plan's columns of the log, cycle by cycle.
     """
 
     waits = True
     """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
-    def __init__(self, rows: Sequence[Sequence[float]]) -> None:
-        self._rows = [tuple(row) for row in rows]
+    def __init__(self, rows: ArrayLike) -> None:
+        self._rows = np.asarray(
+            rows, dtype=np.float64
+        )  # as tuples half an hour would be a gigabyte
 
     def sample(self, number: int) -> tuple[float, ...]:
         """Return the plan's columns of a cycle."""
-        return self._rows[min(max(number, 0), len(self._rows) - 1)]
+        return tuple(self._rows[min(max(number, 0), len(self._rows) - 1)].tolist())
 
 
 class PlannedAxes(ServoAxes[Planned, State, Reference, Command]):

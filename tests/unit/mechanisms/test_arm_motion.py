@@ -1,6 +1,7 @@
 """An arm's motion as the loop follows it: end, segments and log, and what is known of it."""
 
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from servo_fakes import ACCELERATION, PERIOD
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.optimum import least_time
+from controllers.arm.paths import Circle, TurnBack
 from controllers.arm.places.frames import TaughtFrame
 from controllers.arm.pose_path import PosePath
 from controllers.arm.types import ArmCommand, ArmReference
@@ -247,3 +249,15 @@ def test_a_frame_that_says_no_axes_is_one_error_at_its_place():
     (only,) = problems.error().diagnostics
     assert (only.mark.line, only.mark.column) == (2, 1)
     assert only.message.startswith("in_xy is 0.1 mm from the line")
+
+
+def test_a_slow_motion_is_held_against_the_same_way_at_its_own_speed():
+    """It is sampled at a speed at which that does not take a minute and a gigabyte."""
+    geometry = ArmGeometry()
+    begun = time.process_time()
+    circle = Circle(rate=0.002)
+    assert least_time(geometry, circle) == pytest.approx(math.pi / 0.002, rel=1e-6)
+    line = TurnBack(speed=0.0005, turn_rate=0.0)
+    length = math.sqrt(geometry.reach**2 - 0.026941**2) - 0.423695  # of the wrist, along x
+    assert least_time(geometry, line) == pytest.approx(2.0 * length / 0.0005, rel=1e-5)
+    assert time.process_time() - begun < 10.0

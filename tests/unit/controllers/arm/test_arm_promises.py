@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+import time
 
 import numpy as np
 import pytest
@@ -48,12 +49,12 @@ def drawn_circles(count):
         yield Circle(radius=float(rng.uniform(0.05, 0.3)), rate=float(rng.uniform(1.5, 6.0)))
 
 
-def check_claim(message, path, slower):
+def check_claim(message, path, slower, period=PERIOD):
     """The joint and its number are those of the plan without the limit, the remedy is one."""
     found = re.search(r"(q\d) would need (\S+) rad/s, beyond its limit of (\S+) rad/s", message)
     joint, number, limit = AXIS_NAMES.index(found[1]), float(found[2]), float(found[3])
     limitless = dataclasses.replace(FREE, rate_limits=(1e3,) * 6)
-    free = plan(path, geometry=limitless)
+    free = Esc(EscSettings(), limitless, period).prepare(path)
     assert np.abs(free.velocities[:, joint]).max() == pytest.approx(number, rel=1e-3)
     assert limit == FREE.rate_limits[joint]
     fitting = slower(message)
@@ -72,7 +73,38 @@ def test_a_dwell_that_is_too_fast_names_joint_rate_and_what_would_fit(path):
         named = re.search(r"at (\S+) m/s with a dwell of (\S+) s it would fit", message)
         return dataclasses.replace(path, speed=float(named[1]), dwell=float(named[2]))
 
-    check_claim(refusal(path), path, slower)
+    check_claim(refusal(path), path, slower, 0.1 * PERIOD)  # its peak is between the samples
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_very_shallow_dwell_is_refused_at_once_with_the_speed_that_its_border_needs(seed):
+    """q3 needs ``v R / (a2 a3 S3)`` there on a radial line, wherever the samples are."""
+    rng = np.random.default_rng((44, seed))
+    depth, speed = float(10 ** rng.uniform(-9, -4)), float(10 ** rng.uniform(-1.5, -0.5))
+    path = DwellLine(START_FIG4, (1.0, 0.0, 0.0), speed, depth, dwell=2.0)
+    q = plan(dataclasses.replace(path, depth=0.01, speed=0.01)).positions  # the same line
+    near = q[np.argmin(np.abs(np.sin(q[:, 2])))]
+    lean = near[1] + 0.5 * near[2]
+    radial = math.sin(lean) * math.cos(near[0])
+    a2, a3 = FREE.a2, FREE.a3
+    radius = a2 + a3 - depth
+    cosine = (radius**2 - a2**2 - a3**2) / (2.0 * a2 * a3)
+    sine = math.sqrt((1.0 - cosine) * (1.0 + cosine))
+    needed = speed * radial * radius / (a2 * a3 * sine)
+    begun = time.process_time()
+    message = refusal(path)
+    assert time.process_time() - begun < 5.0
+    found = re.search(r"q3 would need (\S+) rad/s.*; at (\S+) m/s with a dwell of", message)
+    assert float(found[1]) == pytest.approx(needed, rel=6e-2)
+    assert float(found[1]) >= 0.999 * needed
+    assert speed / float(found[2]) == pytest.approx(float(found[1]), rel=5e-3)
+
+
+def test_a_slower_motion_that_takes_too_long_is_said_to():
+    law = Esc(EscSettings(), FREE, PERIOD)
+    law.longest = 1800.0
+    with pytest.raises(InfeasibleMotion, match=r"it would fit, but take at least \S+ s, and the l"):
+        law.prepare(DwellLine(depth=1e-9))
 
 
 @pytest.mark.parametrize("path", list(drawn_circles(5)))
