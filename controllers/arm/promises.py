@@ -17,6 +17,10 @@ _SHARE = 1e-3
 """By which a limit may be passed, relative: the drives do not resolve it."""
 _OFF_PATH = 1e-6
 """How far the hand may be off its path, m."""
+_ORDER = 4
+"""Of the integration: with it the hand gets nearer to its path as the period covers less of it."""
+_ROOM = 1.1
+"""So much more slowly than that order says a motion is tried."""
 
 
 class Promises(NamedTuple):
@@ -36,7 +40,7 @@ class Promises(NamedTuple):
 
 
 class TooFast(InfeasibleMotion):
-    """A plan goes beyond a limit that its law keeps.
+    """A plan goes beyond a limit that its law keeps, or its hand off its path.
 
     Attributes
     ----------
@@ -55,18 +59,18 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
     Raises
     ------
     TooFast
-        With the joint, the instant, the number and its bound, without a full stop.
-    InfeasibleMotion
-        The hand leaves its path.
+        With the joint or the hand's way off its path, the instant, the number and its bound,
+        without a full stop.
     """
     check_rates(geometry, plan.t, plan.rates, promises)
     limits = geometry.acceleration_limits
     _check(plan.t, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
-        raise InfeasibleMotion(
+        raise TooFast(
             f"after {plan.t[k]:.3f} s the hand would be {1e3 * plan.deviation[k]:.4g} mm off its "
-            f"path, more than {1e3 * _OFF_PATH:g} mm; a shorter period brings it nearer."
+            f"path, more than {1e3 * _OFF_PATH:g} mm, as a period is too long beside a singularity",
+            _ROOM * (plan.path_deviation / _OFF_PATH) ** (1.0 / _ORDER),
         )
 
 

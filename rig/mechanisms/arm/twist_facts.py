@@ -14,6 +14,8 @@ from rig.mechanisms.arm.facts import INDICES
 
 Array = NDArray[np.float64]
 
+_SLOWEST = 1e-9
+"""m/s or rad/s: what is slower has no line that the hand could be held against."""
 _TAKEN_UP = 0.5
 """From so long after a twist has changed on the hand is held against it, s."""
 _STANDS = 1e-3
@@ -78,7 +80,7 @@ def off_direction(plan: ArmPlan, geometry: ArmGeometry) -> tuple[float, float]:
     wait = math.ceil(_TAKEN_UP / plan.period)
     away = turned = 0.0
     for begin, end in pairwise(starts):
-        twist = plan.command[begin]
+        twist = np.where(np.abs(plan.command[begin]) < _SLOWEST, 0.0, plan.command[begin])
         first = begin + wait
         if first + 1 >= end or not twist.any():
             continue

@@ -28,6 +28,8 @@ from rig.mechanisms.servo.settings import ServoLimits
 _FINE = 1e-3
 """Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
 grows as the steps get finer."""
+_FINE_SAMPLES = 120_000
+"""No more of them: of a walk of half an hour they would be gigabytes."""
 
 
 class PlannedGait(PlannedMotion[LegsReference]):
@@ -99,7 +101,9 @@ def _planned(
     def stretched(plan: GaitPlan) -> GaitPlan:
         return plan if share == 1.0 else plan.stretched(share, settings.balance)
 
-    fine = stretched(law.at_period(share * min(_FINE, period)).prepare(reference))
+    asked_time = sum(phase.duration for phase in reference.phases(settings.geometry))
+    finer = min(max(_FINE, asked_time / _FINE_SAMPLES), period)
+    fine = stretched(law.at_period(share * finer).prepare(reference))
     flat = None
     if reference.bob is not None:
         flat = stretched(

@@ -8,12 +8,14 @@ from types import SimpleNamespace
 
 import pytest
 
+from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.online.commands import ArmTwists, TwistRows
 from controllers.arm.types import AT_REST, ArmReference
 from controllers.motion import InfeasibleMotion
 from rig.hal import SafetyError
 from rig.mechanisms.arm.gamepad import GamepadTwists
+from rig.mechanisms.arm.twist_facts import facts_of_twists
 from rig.mechanisms.arm.twists import HeardTwists
 
 HERE = ArmReference((0.0, 0.3, 1.5, 0.0, 0.5, 0.0), AT_REST, True)
@@ -194,3 +196,16 @@ def test_what_is_missing_is_said(monkeypatch):
     monkeypatch.setitem(sys.modules, "evdev", empty)
     with pytest.raises(InfeasibleMotion, match="there is no gamepad"):
         GamepadTwists().known()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("speed", [5e-324, 1e-300, 1e-160, 1e-30])
+def test_a_twist_that_is_none_but_for_rounding_has_facts_that_are_numbers(speed):
+    """Its square is nought: how far the hand has gone along it is not asked."""
+    rows = ((0.0, speed, 0.0, 0.0, 0.0, 0.0, 0.0), (1.0, *AT_REST))
+    law = Esc(EscSettings(), ArmGeometry(), PERIOD)
+    law.longest = 10.0
+    geometry = ArmGeometry()
+    facts = facts_of_twists(law.prepare_twists(TwistRows(rows=rows)), geometry)
+    assert facts["off_direction"].value < 1e-9
+    assert not any(math.isnan(fact.value) for fact in facts.values())

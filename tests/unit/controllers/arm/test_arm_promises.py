@@ -234,3 +234,15 @@ def test_the_regions_may_be_given_as_numbers():
     assert np.abs(wide.indices[within, 1]).max() == pytest.approx(0.8, abs=5e-3)
     with pytest.raises(InfeasibleMotion, match="q3 would need"):
         EscPaper(EscPaperSettings(elbow_region=0.3), FREE, PERIOD).prepare(TurnBack(turn_rate=0.0))
+
+
+def test_a_hand_off_its_path_is_refused_with_the_rate_at_which_it_is_not():
+    """Beside the wrist's singularity q4 turns by radians in a period, and the hand swerves."""
+    path = Circle(touch=(1.3, 1.4, 0.0, 2.1, 1e-3, -2.0), radius=0.05, rate=0.9)
+    message = refusal(path, "paper")
+    assert re.search(
+        r"after \S+ s the hand would be \S+ mm off its path, more than 0\.001", message
+    )
+    named = float(re.search(r"at a rate of (\S+) rad/s round the circle it would fit", message)[1])
+    slower = dataclasses.replace(path, rate=named)
+    assert faults_of(FREE, slower, plan(slower, "paper"), (2,), ()) == []
