@@ -29,6 +29,8 @@ _WARM = 400
 """Cycles until what a law remembers has settled on that motion."""
 _SHARE = 1e-3
 """Of what a memory changes by in a cycle: by so much it is varied."""
+_WIDTHS = (1e-8, 1e-1, 1e-8, 1e-6, 1e-4)
+"""By so much what a law takes is varied: m and Pa as measured; m, m/s and m/s² of its reference."""
 _POINTS = 1500
 _QUICK = 1e-3
 """A monitor's filter is this part of a cycle at least: none at all, to rounding."""
@@ -65,12 +67,17 @@ class LoopMargins(NamedTuple):
 
 
 class _Linear(NamedTuple):
-    """``x' = a x + b y``, ``u = c x + d y`` of a law; y: position (m) and difference (Pa)."""
+    """``x' = a x + b y + e r``, ``u = c x + d y + f r`` of a law.
+
+    y: position (m) and difference (Pa); r: position, velocity and acceleration of the reference.
+    """
 
     a: Array
     b: Array
     c: Array
     d: Array
+    e: Array
+    f: Array
 
 
 def loop_margins(law: AnyPairLaw, model: PairModel) -> LoopMargins:
@@ -98,6 +105,31 @@ def margins_around(law: AnyPairLaw, models: Sequence[PairModel]) -> tuple[LoopMa
     """
     linear = _linearise(law, models[0])
     return tuple(_margins(linear, _Pair(model, law.period), law.period) for model in models)
+
+
+def reference_response(law: AnyPairLaw, model: PairModel, frequencies: Array) -> Complex:
+    """Return what becomes of sines in the linear loop: the reading over the reference.
+
+    Parameters
+    ----------
+    law : PairLaw
+        It is not changed.
+    model : PairModel
+        The pair, without its Coulomb friction.
+    frequencies : ndarray, shape (n,)
+        Hz.
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Meaningful where the loop is stable; see `loop_margins`.
+    """
+    linear, pair = _linearise(law, model, asked=True), _Pair(model, law.period)
+    w = 2.0 * math.pi * frequencies
+    z = np.exp(1j * w * law.period)
+    asked: Complex = np.column_stack([np.ones_like(w), 1j * w, -w * w])
+    fed = _solve(z, linear.a, np.asarray(asked @ linear.e.T)) @ linear.c + asked @ linear.f
+    return np.asarray(pair.seen(z)[:, 0] * fed / (1.0 + pair.loop(linear, z)))
 
 
 def _margins(linear: _Linear, pair: "_Pair", period: float) -> LoopMargins:
@@ -141,12 +173,16 @@ class _Pair:
 
     def loop(self, law: _Linear, z: Complex) -> Complex:
         """Return the frequency response, broken at the setpoint; -1 is the critical point."""
+        seen = self.seen(z)
+        inner = _solve(z, law.a, seen @ law.b.T)
+        return np.asarray(-(inner @ law.c + seen @ law.d))
+
+    def seen(self, z: Complex) -> Complex:
+        """Return what a law reads of the position and the difference, for a setpoint of 1."""
         late = z[:, None] ** self._late
         push = (self._now + self._before / z[:, None]) / late
         moved = _solve(z, self._step, push)
-        seen = moved[:, [2, 4]] / z[:, None]
-        inner = _solve(z, law.a, seen @ law.b.T)
-        return np.asarray(-(inner @ law.c + seen @ law.d))
+        return np.asarray(moved[:, [2, 4]] / z[:, None])
 
     def closed(self, law: _Linear) -> Array:
         """Return the matrix of a cycle of the closed loop."""
@@ -183,29 +219,31 @@ def _held(flow: Array, push: Array, time: float) -> tuple[Array, Array]:
     return come[:n, :n], come[:n, n]
 
 
-def _linearise(law: AnyPairLaw, model: PairModel) -> _Linear:
-    """Return a law's linear part about a steady motion."""
+def _linearise(law: AnyPairLaw, model: PairModel, *, asked: bool = False) -> _Linear:
+    """Return a law's linear part about a steady motion; `asked`: memories of its reference, too."""
     fresh = type(law)(law.settings, model, law.period)
     motion = _Motion(fresh, model)
     for _ in range(_WARM):
         motion.step(fresh, 0.0, 0.0)
-    changes = _changes(fresh, motion)
+    changes = _changes(fresh, motion, asked=asked)
     paths = list(changes)
     at = np.array([_get(fresh, path) for path in paths])
     n = len(paths)
-    found = np.zeros((n + 1, n + 2))
-    widths = [_SHARE * changes[path] for path in paths]
-    for k in range(n + 2):
+    found = np.zeros((n + 1, n + len(_WIDTHS)))
+    widths = [*(_SHARE * changes[path] for path in paths), *_WIDTHS]
+    for k, width in enumerate(widths):
         ends = []
-        width = widths[k] if k < n else (1e-8, 1e-1)[k - n]
         for side in (width, -width):
             other, then = copy.deepcopy((fresh, motion))
             if k < n:
                 _set(other, paths[k], float(at[k]) + side)
-            u = then.step(other, *(side if k == n + y else 0.0 for y in range(2)))
+            u = then.step(other, *(side if k == n + i else 0.0 for i in range(len(_WIDTHS))))
             ends.append(np.array([*(_get(other, path) for path in paths), u]))
         found[:, k] = (ends[0] - ends[1]) / (2.0 * width)
-    return _Linear(found[:n, :n], found[:n, n:], found[n, :n], found[n, n:])
+    y, r = slice(n, n + 2), slice(n + 2, None)
+    return _Linear(
+        found[:n, :n], found[:n, y], found[n, :n], found[n, y], found[:n, r], found[n, r]
+    )
 
 
 class _Motion:
@@ -218,13 +256,15 @@ class _Motion:
         self._t = 0.0
         law.reset(self._state(0.0, 0.0))
 
-    def step(self, law: AnyPairLaw, position: float, difference: float) -> float:
+    def step(self, law: AnyPairLaw, position: float, difference: float, *asked: float) -> float:
         """Advance by a cycle, measured off by this much (m, Pa); return the setpoints' difference.
 
-        A reading is a cycle old: so is the position that it shows.
+        A reading is a cycle old: so is the position that it shows. The reference is off by what is
+        `asked` beside it: m, m/s, m/s².
         """
         self._t += self._period
-        wanted = PairReference(_SPEED * self._t, _SPEED, 0.0)
+        place, speed, turn = asked or (0.0, 0.0, 0.0)
+        wanted = PairReference(_SPEED * self._t + place, _SPEED + speed, turn)
         first, second = law.update(self._state(position, difference), wanted)
         return first - second
 
@@ -234,10 +274,11 @@ class _Motion:
         return PairState(self._t, measured, self._base + half, self._base - half)
 
 
-def _changes(law: AnyPairLaw, motion: _Motion) -> dict[Path, float]:
+def _changes(law: AnyPairLaw, motion: _Motion, *, asked: bool) -> dict[Path, float]:
     """Return by how much every number changes in a cycle that what is measured gets into.
 
-    What changes by itself, as the phase of a dither, is no part of the loop.
+    What changes by itself, as the phase of a dither, is no part of the loop; nor is what only the
+    reference gets into, unless that is `asked` for.
     """
     other, then = copy.deepcopy((law, motion))
     alone, there = copy.deepcopy((law, motion))
@@ -245,7 +286,9 @@ def _changes(law: AnyPairLaw, motion: _Motion) -> dict[Path, float]:
     changes = dict.fromkeys(before, 0.0)
     reached = set()
     for k in range(1, 9):
-        then.step(other, 1e-6 * math.sin(2.3 * k), 1e3 * math.cos(1.7 * k))
+        reference = (1e-6 * math.cos(2.9 * k), 1e-4 * math.sin(1.3 * k), 1e-2 * math.cos(0.9 * k))
+        measured = 1e-6 * math.sin(2.3 * k), 1e3 * math.cos(1.7 * k)
+        then.step(other, *measured, *(reference if asked else ()))
         there.step(alone, 0.0, 0.0)
         for path, was in before.items():
             now = _get(other, path)

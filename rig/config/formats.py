@@ -37,7 +37,7 @@ def format_quantity(value: float, unit: str) -> str:
     str
         With four significant digits, such as ``"0.12 mm"``.
     """
-    name, scale = _for_people(value, unit)
+    name, scale = unit_for_people(value, unit)
     return f"{value / scale:.4g} {name}".rstrip()
 
 
@@ -64,7 +64,7 @@ def format_against(value: float | None, bound: float | None, unit: str) -> tuple
         value = None
     if bound is None:
         return (nothing if value is None else format_quantity(value, unit)), ""
-    name, scale = _for_people(bound or value or 0.0, unit)
+    name, scale = unit_for_people(bound or value or 0.0, unit)
     if value is None:
         return nothing, f"{bound / scale:.4g} {name}".rstrip()
     for digits in range(4, 10):
@@ -91,7 +91,7 @@ def format_to(value: float, std: float, unit: str, others: Sequence[float] = ())
     list of str
         All in the unit of the first, such as ``["29.9940 mm", "29.9936 mm", "29.9944 mm"]``.
     """
-    name, scale = _for_people(value, unit)
+    name, scale = unit_for_people(value, unit)
     place = math.floor(math.log10(std / scale)) - 1 if 0.0 < std < math.inf else None
 
     def text(number: float) -> str:
@@ -105,7 +105,7 @@ def format_to(value: float, std: float, unit: str, others: Sequence[float] = ())
     return [f"{text(number)} {name}".rstrip() for number in (value, *others)]
 
 
-def _for_people(value: float, unit: str) -> tuple[str, float]:
+def unit_for_people(value: float, unit: str) -> tuple[str, float]:
     """Return the unit that a person would use for a number, and its SI value."""
     if value == 0.0:
         name = _AT_ZERO.get(unit, "" if unit == "1" else unit)

@@ -157,7 +157,7 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     except SeveralErrors as error:
         found.append(error)
     try:
-        _check_figures(experiment, profile.mechanism)
+        _check_figures(experiment, profile.mechanism, columns)
     except SeveralErrors as error:
         found.append(_of_experiment(error, experiment))
     try:
@@ -248,14 +248,26 @@ def _check_metrics(
     try_measures(experiment.metrics, taken, motion.segments, columns, constants_of(profile))
 
 
-def _check_figures(experiment: Experiment, mechanism: str) -> None:
-    from rig.report.figures import known_figures
+def _check_figures(experiment: Experiment, mechanism: str, columns: Sequence[Column]) -> None:
+    from rig.report.figures import figure_kind, known_figures
 
     known = known_figures(mechanism) if experiment.figures else {}
+    logged = [column.name for column in columns]
     wrong: list[str] = []
     for name in experiment.figures:
-        if name not in known:
+        kind = figure_kind(name, known)
+        if kind is None:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known)}"
             wrong.append(f"figures: no figure is called {name!r}; {hint}")
+        elif name not in known and logged and not _is_logged(name, logged):
+            near = difflib.get_close_matches(name, logged, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            wrong.append(f"figures: the log of this rig has no column {name!r}{hint}")
     SeveralErrors.raise_if_any(wrong)
+
+
+def _is_logged(pattern: str, logged: Sequence[str]) -> bool:
+    """Return whether a log has such a column; what is known of every run is always there."""
+    groups = ("reference.time", "timing.", "truth.")
+    return pattern.startswith(groups) or any(fnmatchcase(name, pattern) for name in logged)

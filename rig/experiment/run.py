@@ -209,7 +209,7 @@ def _report(path: Path, watcher: Watcher) -> None:
     except (RigError, OSError) as error:
         watcher.said(f"there is no report: {error}; draw it later with: rig report {path}")
         return
-    for sentence in made.failures:
+    for sentence in (*made.failures, *made.notes):
         watcher.said(sentence)
 
 

@@ -5,7 +5,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import NamedTuple
 from rig.assembly import REGISTRY
 from rig.hal import ConfigurationError
 from rig.hal.fits import where
+from rig.report.column_figure import column_figure, file_of, is_column
 from rig.report.data import RunData, imprint_of, load_run
 from rig.report.figure import FigureKind
 from rig.report.limits_figure import LIMIT_FIGURES
@@ -39,6 +40,11 @@ def own_figures(mechanism: str | None) -> tuple[str, ...]:
     return (*REGISTRY.own_figures(mechanism), *ANY_RUN)
 
 
+def figure_kind(name: str, known: Mapping[str, FigureKind]) -> FigureKind | None:
+    """Return a figure by its name among those that are known, or by a column; None: neither."""
+    return known.get(name) or (column_figure(name) if is_column(name) else None)
+
+
 class Drawn(NamedTuple):
     """The figures of a run.
 
@@ -48,10 +54,13 @@ class Drawn(NamedTuple):
         Those written.
     failures : list of str
         Which others could not be drawn, and why.
+    empty : list of str
+        Which had nothing to draw: the log lacks what they show, or it never happened.
     """
 
     files: list[Path]
     failures: list[str]
+    empty: list[str]
 
 
 def draw_figures(
@@ -67,7 +76,8 @@ def draw_figures(
     path : Path
         The run folder.
     names : iterable of str, optional
-        Keys of `known_figures`; default: all.
+        Keys of `known_figures`, or columns of the log (``device.oil_value``, ``device.oil_*``);
+        default: all that are known.
     log : LogColumns, optional
         The run's log, if it has been read already.
 
@@ -85,10 +95,10 @@ def draw_figures(
     known = known_figures(run.mechanism)
     chosen = list(known) if names is None else list(names)
     for name in chosen:
-        if name not in known:
+        if figure_kind(name, known) is None:
             known_names = ", ".join(known)
             raise ConfigurationError(f"there is no figure {name!r}; there are {known_names}")
-    drawn = Drawn([], [])
+    drawn = Drawn([], [], [])
     if len(run.log.t) < 2:
         return drawn
     folder = run.folder.place(FIGURES_FOLDER)
@@ -96,22 +106,25 @@ def draw_figures(
         for one in _share_out(partial(_draw, run, folder), chosen):
             drawn.files.extend(one.files)
             drawn.failures.extend(one.failures)
+            drawn.empty.extend(one.empty)
     return drawn
 
 
 def _draw(run: RunData, folder: Path, name: str) -> Drawn:
     """Draw one figure into a folder, or say why not."""
-    draw = known_figures(run.mechanism)[name].draw
+    kind = figure_kind(name, known_figures(run.mechanism))
+    assert kind is not None  # it was looked for before
+    draw = kind.draw
     try:
         figure = draw(run)
         if figure is None:
-            return Drawn([], [])
-        return Drawn(save(figure, folder, name, imprint_of([run.folder])), [])
+            return Drawn([], [], [name])
+        return Drawn(save(figure, folder, file_of(name), imprint_of([run.folder])), [], [])
     except (OSError, RunFolderError):
         raise
     except Exception as error:  # anything may happen in the code of others
         why = f"{type(error).__name__}: {error}"
-        return Drawn([], [f"the figure {name} ({where(draw)}) cannot be drawn: {why}"])
+        return Drawn([], [f"the figure {name} ({where(draw)}) cannot be drawn: {why}"], [])
 
 
 def _share_out(draw: Callable[[str], Drawn], names: list[str]) -> Iterator[Drawn]:

@@ -10,8 +10,10 @@ from pathlib import Path
 from rig.config import format_against
 from rig.experiment.metrics import Evaluation, known_measures
 from rig.report import markup
+from rig.report.beside_figure import BESIDE, CAPTION
 from rig.report.data import mechanism_of, origin_of
-from rig.report.figures import known_figures
+from rig.report.figure import FigureKind
+from rig.report.figures import figure_kind, known_figures
 from rig.report.markup import NOTHING, Html, element, image, items, join, link, section, table
 from rig.report.timing import Spread, TimingSummary
 from rig.run_facts import (
@@ -157,12 +159,19 @@ def _figures(figures: Sequence[Path], failures: Sequence[str], mechanism: str | 
         content = figure.read_bytes()
         width = round(_SCREEN_SCALE * int.from_bytes(content[16:20], "big"))  # of its IHDR
         name = figure.stem
-        caption = known[name].caption if name in known else name
+        caption = _caption(name, known)
         files = [link(f"{figure.parent.name}/{name}.{kind}", kind) for kind in _BESIDE]
         told = element("figcaption", caption, " ", join(files, " "))
         parts.append(element("figure", image(content, caption, width), told))
     body = join([*parts, items(failures, "problems")], "\n")
     return section("Figures", body) if body.strip() else NOTHING
+
+
+def _caption(name: str, known: Mapping[str, FigureKind]) -> str:
+    if name == BESIDE:
+        return CAPTION
+    kind = figure_kind(name, known)
+    return name if kind is None else kind.caption
 
 
 def _speed(timing: TimingSummary) -> str:

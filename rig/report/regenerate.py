@@ -1,6 +1,7 @@
 """Everything that can be derived from a run's log, derived again."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,17 +35,27 @@ class RunReport(NamedTuple):
         Its file.
     failures : list of str
         What is not in it, and why.
+    notes : list of str
+        What was asked for and has nothing to show.
     """
 
     page: Path
     failures: list[str]
+    notes: list[str]
 
 
-def write_report(path: str | Path) -> RunReport:
+def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
     """Derive metrics, timing, figures and ``report.html`` from a run folder alone.
 
     It works on any run: of one that ended early, what its log holds is judged, and the report
     says what could not be and why.
+
+    Parameters
+    ----------
+    path : Path
+        The run folder.
+    besides : sequence of Path
+        Figures (PNG) of the run that others have drawn, to be shown first.
 
     Returns
     -------
@@ -65,7 +76,7 @@ def write_report(path: str | Path) -> RunReport:
         log = read_columns(folder.log_path)
     except LogError as error:
         damaged = [str(error)] if folder.log_path.exists() else []  # a run may have had none
-        return RunReport(write_html(folder, [], [str(error)]), damaged)
+        return RunReport(write_html(folder, [], [str(error)]), damaged, [])
     if folder.status is not RunStatus.RUNNING:
         torn = [sentence] if (sentence := folder.missing_end(complete=log.complete)) else []
         metrics, problems = measure_run(folder, log)
@@ -76,9 +87,12 @@ def write_report(path: str | Path) -> RunReport:
             folder.write_timing(summarise_timing(log))
     names = folder.read_json(EVALUATION, Evaluation).get("figures") or None
     drawn = draw_figures(folder.path, names, log)
-    figures = [file for file in drawn.files if file.suffix == ".png"]
-    page = write_html(folder, figures, [*torn, *problems], drawn.failures)
-    return RunReport(page, [*torn, *drawn.failures])
+    figures = [*besides, *(file for file in drawn.files if file.suffix == ".png")]
+    # Without a list everything is tried that might be there, and most of it is not.
+    empty = drawn.empty if names else []
+    notes = [f"nothing to draw: {', '.join(empty)}"] if empty else []
+    page = write_html(folder, figures, [*torn, *problems], [*drawn.failures, *notes])
+    return RunReport(page, [*torn, *drawn.failures], notes)
 
 
 def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[str]]:

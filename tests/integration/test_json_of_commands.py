@@ -132,6 +132,7 @@ DRIVEN = {
     "explain": ["explain", "FIRST"],
     "explain word": ["explain", "tracking_rms"],
     "report": ["report", "FIRST"],
+    "report beside": ["report", "FIRST", "--rehearse"],
     "export": ["export", "FIRST", "--format", "csv"],
     "rerun": ["rerun", "FIRST", "--no-report"],
     "diff": ["diff", "FIRST", "SECOND"],
@@ -164,6 +165,7 @@ CONTENT = {
     "simulate": lambda found: "regulators" in found["buses"]["can0"]["devices"],
     "monitor": lambda found: len(found) > 100 and all(isinstance(one, dict) for one in found),
     "faults run": lambda found: found[0]["case"]["first"],
+    "report beside": lambda found: found["residuals"][0]["name"] == "reading.position",
     "diff": lambda found: (
         {"overshoot", "air_used"} <= {metric["name"] for metric in found["metrics"]}
         and found["log"] is not None

@@ -7,6 +7,7 @@ import numpy as np
 from rig.experiment.measure import local_slope
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind, bounds_of, draw_line, finish_time_axis
+from rig.report.repeatability import draw_repeatability, places_of, visits_of
 from rig.report.style import (
     BLUE,
     COLUMN,
@@ -137,6 +138,19 @@ def draw_phase(run: RunData) -> "Figure | None":
     return figure
 
 
+def draw_pair_repeatability(run: RunData) -> "Figure | None":
+    """Draw where the pair ended at levels that were gone to several times."""
+    if not run.has("reference.position", "reading.position"):
+        return None
+    wanted, reached = (run.trace(f"{of}.position")[:, None] for of in ("reference", "reading"))
+    places = places_of(
+        visits_of(run, wanted, reached),
+        lambda visit: visit.end - visit.target,
+        lambda visit: segment_label(visit.name).removeprefix("hold "),
+    )
+    return draw_repeatability(places, ("off their mean",))
+
+
 PAIR_FIGURES = {
     "tracking": FigureKind(
         draw_tracking, "Reference and reading of the position; the shaded stretches are judged."
@@ -146,6 +160,11 @@ PAIR_FIGURES = {
     ),
     "pressures": FigureKind(
         draw_pressures, "Setpoints as sent and pressures as monitored (gauge)."
+    ),
+    "repeatability": FigureKind(
+        draw_pair_repeatability,
+        "Where each visit of a level ended that was gone to several times, about their mean; "
+        "dashed, where 95 % of further ones end. AP and RP: as in ISO 9283.",
     ),
     "phase": FigureKind(
         draw_phase,

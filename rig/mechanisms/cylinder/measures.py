@@ -74,23 +74,23 @@ def stick_share(windows: Windows) -> float:
 def rise_time(windows: Windows) -> float:
     """Return the longest time from 10 % to 90 % of a step, s."""
     times = []
-    for window in _steps(windows):
-        done = _step_response(window)
-        low, high = _first_time(window.t, done >= 0.1), _first_time(window.t, done >= 0.9)
+    for window in steps_of(windows):
+        done = step_response(window)
+        low, high = first_time(window.t, done >= 0.1), first_time(window.t, done >= 0.9)
         times.append(high - low if math.isfinite(high) else math.inf)
     return max(times)
 
 
 def overshoot(windows: Windows) -> float:
     """Return the greatest overshoot as a share of its step."""
-    return max(max(0.0, float(_step_response(window).max()) - 1.0) for window in _steps(windows))
+    return max(max(0.0, float(step_response(window).max()) - 1.0) for window in steps_of(windows))
 
 
 def settling_time(windows: Windows) -> float:
     """Return the longest time after which a step stays within 2 % of its size, s."""
     times = []
-    for window in _steps(windows):
-        outside = np.flatnonzero(np.abs(_step_response(window) - 1.0) > SETTLING_BAND)
+    for window in steps_of(windows):
+        outside = np.flatnonzero(np.abs(step_response(window) - 1.0) > SETTLING_BAND)
         if len(outside) == 0:
             times.append(0.0)
         elif outside[-1] + 1 == len(window.t):
@@ -147,7 +147,7 @@ def _position(window: Window) -> "Array":
     return window.column("reading.position")
 
 
-def _steps(windows: Windows) -> list[Window]:
+def steps_of(windows: Windows) -> list[Window]:
     """Return the windows that begin with a jump of the reference, or a step's rise, and stay then.
 
     Raises
@@ -174,7 +174,7 @@ def _is_step(window: Window) -> bool:
     return stays and jump >= max(least, _LEAST_STEP)
 
 
-def _step_response(window: Window) -> "Array":
+def step_response(window: Window) -> "Array":
     """Return the share of the step that is done, 0 at the segment's start."""
     position = _position(window)
     start = position[0]
@@ -185,5 +185,6 @@ def _step_response(window: Window) -> "Array":
     return response
 
 
-def _first_time(t: "Array", condition: "NDArray[np.bool_]") -> float:
+def first_time(t: "Array", condition: "NDArray[np.bool_]") -> float:
+    """Return when a condition is true for the first time; infinity: never."""
     return float(t[int(np.argmax(condition))]) if condition.any() else math.inf

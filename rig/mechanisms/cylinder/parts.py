@@ -46,7 +46,11 @@ PARTS = MechanismParts(
     },
     measures=(f"{_HERE}.measures:PAIR_MEASURES", "rig.mechanisms.pneumatic.cost:PAIR_COSTS"),
     reported=REPORTED,
-    figures=(f"{_HERE}.figures:PAIR_FIGURES",),
+    figures=(
+        f"{_HERE}.figures:PAIR_FIGURES",
+        f"{_HERE}.step_figure:STEP_FIGURES",
+        f"{_HERE}.frequency_figure:PAIR_RESPONSE",
+    ),
     comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
     procedures=(
         f"{_HERE}.calibration.procedures:regulators",

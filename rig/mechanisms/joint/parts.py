@@ -52,6 +52,7 @@ PARTS = MechanismParts(
         f"{_HERE}.figures.camera:CAMERA_FIGURES",
         f"{_HERE}.figures.health:HEALTH_FIGURES",
         f"{_HERE}.figures.maps:MAP_FIGURES",
+        f"{_HERE}.figures.repeatability:REPEATABILITY_FIGURES",
     ),
     comparisons=(f"{_HERE}.comparison:JOINT_COMPARISON",),
     procedures=(

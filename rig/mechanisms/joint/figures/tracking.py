@@ -9,6 +9,7 @@ from rig.experiment.measure import local_slope
 from rig.mechanisms.joint.measures.tracking import CHANNELS, PAIRS
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind, bounds_of, draw_line, finish_time_axis
+from rig.report.frequency_figure import draw_response
 from rig.report.style import (
     BLUE,
     GREEN,
@@ -112,8 +113,18 @@ def draw_joint_error(run: RunData) -> "Figure | None":
     """Draw the errors of both pairs and of the marker, with their bounds."""
     if not run.has("reference.rod_ch1", "reading.rod_ch1"):
         return None
-    figure = new_figure(PAGE, 118.0)
-    *panels, lower = figure.subplots(3, 1, sharex=True)
+    # A good estimate lies on the truth, and would hide it: each has a panel.
+    markers = [
+        (label, color, run.track(f"{source}.marker"))
+        for source, label, color in (
+            ("truth", "true marker", VERMILION),
+            ("estimate", "estimated marker", GREEN),
+        )
+        if run.has(f"{source}.marker_x")
+    ]
+    figure = new_figure(PAGE, 82.0 + 32.0 * len(markers))
+    rows = figure.subplots(2 + len(markers), 1, sharex=True)
+    panels, lower = rows[:2], rows[2:]
     t = run.time
     errors = [0.5 * (_rod_error(run, one) - _rod_error(run, other)) for one, other in PAIRS]
     factor, unit = length_scale(max(float(np.abs(error).max()) for error in errors))
@@ -128,23 +139,17 @@ def draw_joint_error(run: RunData) -> "Figure | None":
         axes.set_ylim(min(least), max(most))
     shade_segments(panels[0], PAGE, [_brief(segment) for segment in _whole(run)])
     desired = run.track("reference.marker")
-    extent = 0.0
-    curves: list[tuple[str, str, Array]] = []
-    for source, label, color in (
-        ("truth", "true marker", VERMILION),
-        ("estimate", "estimated marker", GREEN),
-    ):
-        if run.has(f"{source}.marker_x"):
-            distance = np.linalg.norm(run.track(f"{source}.marker") - desired, axis=1)
-            curves.append((label, color, distance))
-            extent = max(extent, float(distance.max()))
+    distances = [np.linalg.norm(track - desired, axis=1) for _, _, track in markers]
+    extent = max((float(distance.max()) for distance in distances), default=0.0)
     factor, unit = length_scale(extent)
-    for label, color, distance in curves:
-        draw_line(lower, t, distance * factor, color, label, lw=0.7)
-    finish_time_axis(lower, t, f"marker off its target ({unit})")
-    lower.set_ylim(bottom=0.0)
-    _draw_bounds(lower, run, {"marker_rms"}, factor)
-    place_legend(lower, 3)
+    for axes, (label, color, _), distance in zip(lower, markers, distances, strict=True):
+        draw_line(axes, t, distance * factor, color, label, lw=0.7)
+        finish_time_axis(axes, t, f"off its target ({unit})", "")
+        axes.set_ylim(0.0, 1.08 * factor * extent)
+        _draw_bounds(axes, run, {"marker_rms"}, factor)
+        place_legend(axes, 3)
+    rows[-1].set_xlabel(TIME_LABEL)
+    figure.align_ylabels()
     return figure
 
 
@@ -193,7 +198,7 @@ def _draw_bounds(axes: "Axes", run: RunData, measures: set[str], factor: float) 
         for segment in segments:
             axes.hlines(
                 bound * factor, segment.start, segment.end,
-                color=VERMILION, lw=0.9, ls=(0, (5, 2)), label=label,
+                color=INK, lw=0.9, ls=(0, (5, 2)), label=label,
             )  # fmt: skip
             label = "_"
 
@@ -231,6 +236,12 @@ def _micro(error: "Array") -> str:
     return f"{1e3 * float(np.sqrt(np.mean(error**2))):.0f} µm"
 
 
+def draw_joint_response(run: RunData) -> "Figure | None":
+    """Draw gain and phase of each wire in each circle: there every wire's reference is a sine."""
+    columns = {name: (f"reference.rod_{name}", f"reading.rod_{name}") for name in CHANNELS}
+    return draw_response(run, columns)
+
+
 JOINT_FIGURES = {
     "channels": FigureKind(
         draw_channels, "Shortening of each wire with its reference, and the chamber pressures."
@@ -241,6 +252,9 @@ JOINT_FIGURES = {
     ),
     "joint-error": FigureKind(
         draw_joint_error, "Errors of the two wire pairs and of the marker, with their bounds."
+    ),
+    "frequency-response": FigureKind(
+        draw_joint_response, "Gain and phase of each wire over its reference in each circle."
     ),
     "tensions": FigureKind(
         draw_tensions, "Tension of each wire; how much of the time a channel sticks."

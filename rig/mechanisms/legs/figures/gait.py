@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
+from rig.mechanisms.legs.figures.contacts import CONTACT_FIGURES
 from rig.mechanisms.legs.figures.footsteps import FOOTSTEP_FIGURES
 from rig.mechanisms.legs.figures.stance import STANCE_FIGURES
 from rig.mechanisms.legs.figures.sway import SWAY_FIGURES
@@ -128,6 +129,7 @@ LEGS_FIGURES = {
     "knees": FigureKind(draw_knees, "Rates and angles of both knees; swings are shaded."),
     "joints": FigureKind(draw_joints, "Servo errors of the pitch joints, and the knees' torques."),
     **STANCE_FIGURES,
+    **CONTACT_FIGURES,
     **SWAY_FIGURES,
     **FOOTSTEP_FIGURES,
 }
