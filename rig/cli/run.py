@@ -65,7 +65,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 @click.option("--steer", is_flag=True, help="With --watch: gains may be changed on that page.")
 @click.option(
     "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
-    help="Times real time that a simulation runs at most; with --watch: 1.",
+    help="Times real time that a simulation runs at most; 1 with --watch or a gamepad.",
 )  # fmt: skip
 @click.option(
     "--uncommissioned", metavar="REASON",
@@ -140,7 +140,7 @@ def run(
     if not may_move(plan, on, yes, uncommissioned):
         return EXIT_USAGE
     simulated = backend_of(on).is_simulated
-    pace = pace or (1.0 if watch else None)
+    pace = pace or (1.0 if watch or plan.motion.real_time else None)
     line = WatchedRun(
         plan,
         on,

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from rig.steering.online_gains import OnlineGains
 
 
+_BURST = 0.01
+"""A simulation that is held back runs ahead of real time by no more than this, s: who steers it
+would not be heard in between."""
+
+
 class WatchedRun(ProgressLine):
     """Shows the progress, serves the page, and keeps a simulation from running away.
 
@@ -53,6 +58,8 @@ class WatchedRun(ProgressLine):
     ) -> None:
         super().__init__(plan.experiment.name, on)
         self._pace, self._watch, self._steer = pace, watch, steer
+        if pace is not None:
+            self.progress_every = _BURST
         self._beside = beside
         self._law, self._period = plan.experiment.controller, plan.profile.loop.period
         self._needs_hold = needs_hold

@@ -276,6 +276,7 @@ def _run(
                         stop=stop,
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
+                        progress_every=watcher.progress_every,
                     )
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)

@@ -12,6 +12,9 @@ from rig.runtime.states import RigState
 class Watcher:
     """Hears what happens during a run; every method may be overridden."""
 
+    progress_every: float = 0.1
+    """Seconds of rig time between two calls of `progressed`."""
+
     def built(self, rig: Rig) -> None:
         """Take note of the rig before anything of it is opened."""
 

@@ -66,6 +66,9 @@ class Motion(Protocol[Followed]):
     watches: bool = False
     """Whether it depends on what is measured: `see` is called, and its end may come at any time."""
 
+    real_time: bool = False
+    """Whether somebody steers it as it goes: a simulation runs no faster than they live."""
+
     @property
     @abstractmethod
     def duration(self) -> float:

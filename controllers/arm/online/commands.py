@@ -68,6 +68,11 @@ class ArmTwists(ABC):
     silence: Silence = 0.06
     duration: Annotated[float, Unit("s"), Gt(0)] = 60.0
 
+    @property
+    def real_time(self) -> bool:
+        """Whether somebody asks who lives in real time, which a simulation then keeps to."""
+        return False
+
     @abstractmethod
     def twist(self, t: float) -> Sequence[float] | None:
         """Return what is asked for: velocity (m/s) and angular velocity (rad/s), six numbers.

@@ -21,6 +21,10 @@ _HELD = 0x136
 """BTN_TL, the left shoulder button: nothing moves unless it is held."""
 _STICKS = {0x01: (0, -1), 0x00: (1, -1), 0x04: (2, -1), 0x03: (5, -1)}
 """Axes: ABS_Y, ABS_X, ABS_RY, ABS_RX; the entry of the twist, and its sign when pushed away."""
+_KEYS, _AXES = 0x01, 0x03
+"""Types of events: EV_KEY and EV_ABS."""
+_DROPPED = (0x00, 0x03)
+"""SYN_DROPPED: the kernel has thrown events away, perhaps that the button was let go."""
 _HATS = {0x10: (3, 1), 0x11: (4, 1)}
 """ABS_HAT0X and ABS_HAT0Y: the tool's turning about x and y."""
 
@@ -46,6 +50,11 @@ class GamepadTwists(ArmTwists):
     speed: Annotated[float, Unit("m/s"), Gt(0)] = 0.1
     turn_rate: Annotated[float, Unit("rad/s"), Gt(0)] = 0.5
     dead_zone: Annotated[float, Interval(ge=0, lt=1)] = 0.1
+
+    @property
+    def real_time(self) -> bool:
+        """See `ArmTwists.real_time`."""
+        return True
 
     def known(self) -> list[Row] | None:
         """Return nothing; refuse to begin without a gamepad.
@@ -111,10 +120,12 @@ class GamepadThread:
             self._said = self._twist()
 
     def _take(self, kind: int, code: int, value: int) -> None:
-        if kind == 1 and code == _HELD:
+        if kind == _KEYS and code == _HELD:
             self._held = bool(value)
+        if (kind, code) == _DROPPED:  # nothing is known any more: press the button again
+            self._held, self._sticks = False, [0.0] * len(AT_REST)
         entry = {**_STICKS, **_HATS}.get(code)
-        if kind != 3 or entry is None:
+        if kind != _AXES or entry is None:
             return
         place, sign = entry
         ends = self._ends[code]
@@ -148,16 +159,23 @@ def _open(path: str) -> "InputDevice[str]":
             "pip install 'rig-controller[gamepad]'."
         ) from error
     try:
-        if path:
-            return evdev.InputDevice(path)
-        for found in evdev.list_devices():
+        for found in [path] if path else evdev.list_devices():
             device = evdev.InputDevice(found)
-            if _HELD in device.capabilities().get(1, ()):
+            if _is_gamepad(device):
                 return device
             device.close()
     except OSError as error:
         raise InfeasibleMotion(f"the gamepad {path} cannot be read: {error}.") from error
+    if path:
+        raise InfeasibleMotion(
+            f"{path} is no gamepad: it lacks two sticks, a cross or the left shoulder button."
+        )
     raise InfeasibleMotion(
         "there is no gamepad among /dev/input/event*: plug one in, or see that you may read it "
         "(group input)."
     )
+
+
+def _is_gamepad(device: "InputDevice[str]") -> bool:
+    can = device.capabilities(absinfo=False)
+    return _HELD in can.get(_KEYS, ()) and {*_STICKS, *_HATS} <= set(can.get(_AXES, ()))

@@ -49,6 +49,7 @@ class HeardTwists(Motion[ArmReference]):
 
     def __init__(self, twists: ArmTwists, geometry: ArmGeometry) -> None:
         self._twists, self._geometry = twists, geometry
+        self.real_time = twists.real_time
         self._ear: Heard | None = None
         self._asked = AT_REST
         self._heard = 0.0

@@ -6,6 +6,7 @@ import sys
 import time
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from controllers.arm.esc import Esc, EscSettings
@@ -122,8 +123,9 @@ class FakePad:
     def absinfo(self, code):
         return SimpleNamespace(min=-1, max=1) if code >= 0x10 else SimpleNamespace(min=0, max=255)
 
-    def capabilities(self):
-        return {1: [0x130, 0x136]}
+    def capabilities(self, absinfo=True):
+        assert not absinfo
+        return {1: [0x130, 0x136], 3: [0x00, 0x01, 0x03, 0x04, 0x10, 0x11]}
 
     def press(self, *events):
         self.queue += [SimpleNamespace(type=a, code=b, value=c) for a, b, c in events]
@@ -186,6 +188,63 @@ def test_a_gamepad_that_is_pulled_out_falls_silent(pad):
     ear.twist(0.0)
     assert ear.twist(0.0) is None
     ear.leave()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_drawn_stream_of_events_is_where_the_sticks_are(pad, seed):
+    """Each stick beyond its dead zone in proportion, the button last pressed or let go."""
+    rng = np.random.default_rng((71, seed))
+    ends = {0x00: (0, 255), 0x01: (0, 255), 0x03: (0, 255), 0x04: (0, 255),
+            0x10: (-1, 1), 0x11: (-1, 1)}  # fmt: skip
+    entries = {
+        0x01: (0, -1),
+        0x00: (1, -1),
+        0x04: (2, -1),
+        0x03: (5, -1),
+        0x10: (3, 1),
+        0x11: (4, 1),
+    }
+    scale, dead = np.array([0.2] * 3 + [0.7] * 3), float(rng.uniform(0.0, 0.4))
+    ear = GamepadTwists(speed=0.2, turn_rate=0.7, dead_zone=dead).listen()
+    sticks, held = np.zeros(6), False
+    try:
+        for _ in range(12):
+            events = []
+            for _ in range(rng.integers(1, 9)):
+                if rng.random() < 0.3:
+                    held = bool(rng.random() < 0.7)
+                    events.append((1, 0x136, int(held)))
+                    continue
+                code = int(rng.choice(list(ends)))
+                low, high = ends[code]
+                value = int(rng.integers(low, high + 1))
+                place, sign = entries[code]
+                way = 2.0 * (value - low) / (high - low) - 1.0
+                sticks[place] = sign * math.copysign(max(abs(way) - dead, 0.0) / (1.0 - dead), way)
+                events.append((3, code, value))
+            if rng.random() < 0.2:  # the kernel lost some: the button counts as let go
+                events.append((0, 3, 0))
+                sticks, held = np.zeros(6), False
+            wanted = scale * sticks if held else np.zeros(6)
+            pad.press((1, 0x131, 1), *events)
+            newest(ear, lambda twist, wanted=wanted: np.allclose(twist, wanted, atol=1e-12))
+    finally:
+        ear.leave()
+
+
+def test_what_has_no_sticks_is_no_gamepad(pad, monkeypatch):
+    monkeypatch.setattr(FakePad, "capabilities", lambda *_, **__: {1: [0x136], 3: []})
+    with pytest.raises(InfeasibleMotion, match=r"/dev/input/event3 is no gamepad: it lacks"):
+        GamepadTwists(device="/dev/input/event3").known()
+    with pytest.raises(InfeasibleMotion, match="there is no gamepad among"):
+        GamepadTwists().known()
+    assert pad.closed
+
+
+def test_a_simulation_keeps_to_the_time_of_whoever_holds_a_gamepad(pad):
+    del pad
+    assert HeardTwists(GamepadTwists(), ArmGeometry()).real_time
+    assert not heard(None).real_time
 
 
 def test_what_is_missing_is_said(monkeypatch):
