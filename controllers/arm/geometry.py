@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Unit
 
+from controllers.arm.dynamics.settings import ArmDynamics
+
 AXIS_NAMES = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Base, shoulder, elbow, and the wrist's three, from the base outwards."""
 
@@ -51,6 +53,8 @@ class ArmGeometry:
         Greatest speed of each joint, rad/s.
     acceleration_limits : tuple of float
         Greatest acceleration of each joint, rad/s².
+    dynamics : ArmDynamics, optional
+        Masses, friction and torque limits, with which torques are foreseen.
 
     Raises
     ------
@@ -79,6 +83,7 @@ class ArmGeometry:
     acceleration_limits: tuple[
         Acceleration, Acceleration, Acceleration, Acceleration, Acceleration, Acceleration
     ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
+    dynamics: ArmDynamics | None = None
 
     def __post_init__(self) -> None:
         ranges = zip(AXIS_NAMES, self.position_min, self.position_max, strict=True)

@@ -9,11 +9,13 @@ import numpy as np
 from annotated_types import Gt, Le
 
 from controllers.arm.axis_path import FINEST, AxisPath, axis_path_of_line
+from controllers.arm.dynamics.carried import check_held, torques_for
+from controllers.arm.dynamics.settings import Payload
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
-from controllers.arm.retiming import Timing, follow_axis_path, retime_within
+from controllers.arm.retiming import Timing, follow_axis_path, grid_of, retime_within
 from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_path import TurnTrajectory
@@ -38,22 +40,24 @@ class LookAheadSettings:
 
     Parameters
     ----------
-    rate_share, acceleration_share : float
+    rate_share, acceleration_share, torque_share : float
         Of the joints' limits; below 1 leaves room to the drives.
     """
 
     rate_share: Annotated[float, Gt(0), Le(1)] = 1.0
     acceleration_share: Annotated[float, Gt(0), Le(1)] = 1.0
+    torque_share: Annotated[float, Gt(0), Le(1)] = 1.0
 
 
 class LookAhead(ArmLaw[LookAheadSettings]):
     """The time-optimal way along the same path, from rest to rest.
 
-    Promises: the hand stays on its path; no joint exceeds its rate or acceleration limit, nor the
-    hand its speed; near misses and exact hits of shoulder and wrist take at most 1.10 times what
-    the rate limits alone require. At the boundary the elbow goes through as under `esc`, whose
-    joint path it takes. Needs the whole path before it starts, and refuses a dwell: time is what
-    it optimises.
+    Promises: the hand stays on its path; no joint exceeds its rate or acceleration limit nor, if
+    the path asks for it, the torque of its drive, nor the hand its speed; near misses and exact
+    hits of shoulder and wrist take at most 1.10 times what the rate limits alone require, if
+    torques are not looked at. At the boundary the elbow goes through as under `esc`, whose joint
+    path it takes. Needs the whole path before it starts, and refuses a dwell: time is what it
+    optimises.
 
     References
     ----------
@@ -73,14 +77,31 @@ class LookAhead(ArmLaw[LookAheadSettings]):
                 f"take esc or esc-paper."
             )
         path = self.axis_path(trajectory)
-        timing = self.timing(path)
+        timing = self.timing(path, trajectory)
         return follow_axis_path(trajectory, path, timing, self.period, end)
 
-    def timing(self, path: AxisPath) -> Timing:
-        """Return when the joint path is where."""
+    def timing(self, path: AxisPath, trajectory: Trajectory) -> Timing:
+        """Return when the joint path is where.
+
+        Raises
+        ------
+        InfeasibleMotion
+            The drives could not hold what the hand carries.
+        """
         rates = [self.settings.rate_share * limit for limit in self.geometry.rate_limits]
         allowed = self.settings.acceleration_share * np.array(self.geometry.acceleration_limits)
-        return retime_within(path, rates, allowed, self.period)
+        carried = carried_along(trajectory)
+        torques = None
+        if carried is not None:
+            check_held(self.geometry, carried, path, grid_of(path), trajectory.speed)
+            torques = torques_for(self.geometry, carried)
+            torques.limits = self.settings.torque_share * torques.limits
+        return retime_within(path, rates, allowed, self.period, torques)
+
+    def promised(self, trajectory: Trajectory) -> Promises:
+        """Return what is promised, torques if the path asks for them."""
+        carried = carried_along(trajectory)
+        return self.promises if carried is None else self.promises._replace(carried=carried)
 
     def axis_path(self, trajectory: Trajectory) -> AxisPath:
         """Return the joints along the path, whatever the time."""
@@ -159,3 +180,10 @@ def axis_path_of_motion(
         turned.append(turned[-1] + 0.5 * share * step * (a[1] + b[1]))
     joints = [sample.positions for sample in samples]
     return AxisPath([*joints, motion[-1].positions], gone, turned)
+
+
+def carried_along(trajectory: Trajectory) -> Payload | None:
+    """Return what a path has the drives carry within their torques, None if it does not ask."""
+    from controllers.arm.pose_trajectory import PoseTrajectory  # half a second, with scipy
+
+    return trajectory.carried if isinstance(trajectory, PoseTrajectory) else None

@@ -14,6 +14,7 @@ from typing import Annotated
 
 from annotated_types import Gt, Unit
 
+from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import SixAngles
 from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.places.frames import Place, TaughtFrame, frame_called
@@ -46,6 +47,11 @@ class PosePath(ArmPath):
         keeps a whole turn away, the path begins there.
     speed : float
         Of the hand at most, m/s.
+    payload : Payload
+        What the hand carries: weight and inertia for the drives.
+    torques : bool
+        Whether the path is timed under the drives' torques as well, as the arm's `dynamics` say
+        them; `look-ahead` alone does.
     """
 
     file: str = ""
@@ -53,6 +59,8 @@ class PosePath(ArmPath):
     frame: str | TaughtFrame = _BASE
     near: SixAngles = _NEAR
     speed: Annotated[float, Unit("m/s"), Gt(0)] = 0.1
+    payload: Payload = Payload()  # noqa: RUF009  (frozen)
+    torques: bool = False
 
     def __post_init__(self) -> None:
         if bool(self.file) == bool(self.points):
@@ -93,7 +101,8 @@ class PosePath(ArmPath):
             raise InfeasibleMotion(
                 f"a path needs two places at least; there is {len(poses.places)}."
             )
-        return PoseTrajectory(arm, poses, self._frame(arm), self.near, self.speed)
+        carried = self.payload if self.torques else None
+        return PoseTrajectory(arm, poses, self._frame(arm), self.near, self.speed, carried)
 
     def _frame(self, arm: Dimensions) -> Pose | None:
         """Return the pose of the frame in the base; None: it is the base's own."""

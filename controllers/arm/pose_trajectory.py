@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from controllers.arm.dynamics.settings import Payload
 from controllers.arm.inverse import BRANCHES, OutOfReach, branch_of, reachable
 from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.places.poses import Poses
@@ -34,6 +35,8 @@ class PoseTrajectory:
         See `PosePath`.
     speed : float
         Of the hand, m/s.
+    carried : Payload, optional
+        What the drives have to move within their torques; None: torques are not looked at.
 
     Raises
     ------
@@ -42,7 +45,13 @@ class PoseTrajectory:
     """
 
     def __init__(
-        self, arm: Dimensions, poses: Poses, frame: Pose | None, near: Joints, speed: float
+        self,
+        arm: Dimensions,
+        poses: Poses,
+        frame: Pose | None,
+        near: Joints,
+        speed: float,
+        carried: Payload | None = None,
     ) -> None:
         points = np.array(poses.places, dtype=np.float64)
         axes = np.eye(3)
@@ -66,6 +75,7 @@ class PoseTrajectory:
             for t in np.linspace(0.0, self.duration, 200).tolist()
         )
         self.start = self._begin(arm, near)
+        self.carried = carried
 
     def pose(self, t: float) -> Pose:
         """Return the pose at a nominal time."""

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arm.dynamics.carried import torques_for, torques_of_plan
+from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
 from controllers.motion import InfeasibleMotion
@@ -32,11 +34,14 @@ class Promises(NamedTuple):
         Joints that keep their limits, counted from 0.
     path : bool
         Whether the hand stays on its path.
+    carried : Payload, optional
+        With it in the hand no drive needs more than its torque; None: torques are not promised.
     """
 
     rates: tuple[int, ...] = ()
     accelerations: tuple[int, ...] = ()
     path: bool = False
+    carried: Payload | None = None
 
 
 class TooFast(InfeasibleMotion):
@@ -65,6 +70,10 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
     check_rates(geometry, plan.t, plan.rates, promises)
     limits = geometry.acceleration_limits
     _check(plan.t, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
+    if promises.carried is not None:
+        torques = torques_for(geometry, promises.carried)
+        needed = torques_of_plan(torques, plan)
+        _check(plan.t, ALL_JOINTS, needed, tuple(torques.limits.tolist()), "N m", 0.5)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise TooFast(

@@ -1,4 +1,4 @@
-"""The fastest way along a joint path, under limits of the joints' rates and accelerations.
+"""The fastest way along a joint path, under limits of rates, accelerations and torques.
 
 Reachability analysis: backwards along the path, the greatest speed from which the end can still
 be reached; then forwards, always as fast as that allows. The path is in its length in joint space,
@@ -18,11 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arm.axis_path import AxisPath
+from controllers.arm.dynamics.chain import ArmTorques
+from controllers.arm.dynamics.limits import PathTorques, shares_between
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST
-from controllers.reachable_speeds import reachable
+from controllers.reachable_speeds import Rows, reachable_within
 
 Array = NDArray[np.float64]
 
@@ -38,6 +40,10 @@ _LOCAL_ROUNDS = 10
 """In so many of them a joint is told a lower limit only where it has passed its own."""
 _OVER = 5e-4
 """By how much, relative, a joint may pass a limit between the grid's points."""
+_RUBBINGS = 8
+"""How often viscous friction is taken anew at the speeds that came of it, at most."""
+_SETTLED = 1e-4
+"""Change of the squared speeds, relative to the greatest, at which that ends."""
 
 
 class Timing(NamedTuple):
@@ -83,11 +89,14 @@ class Strain(NamedTuple):
         1 or more.
     hand : ndarray, shape (n, 1)
         The same of the hand's own speeds.
+    torques : ndarray, shape (n, 6)
+        The same of what moves the joints, beside weight and dry friction.
     """
 
     rates: Array
     accelerations: Array
     hand: Array
+    torques: Array
 
 
 def grid_of(path: AxisPath) -> Array:
@@ -101,6 +110,7 @@ def retime(
     rate_limits: Sequence[float] | Array,
     acceleration_limits: Sequence[float] | Array | None,
     strain: Strain | None = None,
+    torques: PathTorques | None = None,
 ) -> Timing:
     """Return the fastest timing.
 
@@ -114,6 +124,8 @@ def retime(
         rad/s². None: the velocity-limited optimum, which starts, ends and turns at once.
     strain : Strain, optional
         At the points of `grid_of`.
+    torques : PathTorques, optional
+        At the same points; only beside limits of accelerations.
     """
     s = grid_of(path)
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
@@ -129,10 +141,29 @@ def retime(
         allowed = _ACCELERATION_SHARE * np.array(acceleration_limits)
         if strain is not None:
             tangent, bend = tangent * strain.accelerations, bend * strain.accelerations
-        speed = np.sqrt(reachable(s, greatest**2, tangent, bend, allowed))
+        most = np.broadcast_to(allowed, tangent.shape)
+        rows = Rows(tangent, bend, -most, most)
+        if torques is None:
+            speed = np.sqrt(reachable_within(s, greatest**2, rows))
+        else:
+            needs = 1.0 if strain is None else strain.torques
+            speed = np.sqrt(_with_torques(s, greatest**2, rows, torques, needs))
     mean = 0.5 * (speed[:-1] + speed[1:])
     t = np.concatenate(([0.0], np.cumsum(np.diff(s) / mean)))
     return Timing(s, t, speed)
+
+
+def _with_torques(
+    s: Array, ceiling: Array, rows: Rows, torques: PathTorques, strain: Array | float
+) -> Array:
+    """Return the squared speeds under torques as well, whose viscous friction grows with a root."""
+    squares = reachable_within(s, ceiling, rows)
+    for _ in range(_RUBBINGS):
+        before = squares
+        squares = reachable_within(s, ceiling, rows.beside(torques.rows(before, strain)))
+        if np.abs(squares - before).max() <= _SETTLED * before.max():
+            break
+    return squares
 
 
 def retime_within(
@@ -140,22 +171,28 @@ def retime_within(
     rate_limits: Sequence[float],
     acceleration_limits: Sequence[float] | Array | None,
     period: float,
+    torques: ArmTorques | None = None,
 ) -> Timing:
     """Return the fastest timing whose samples, a period apart, keep the limits.
 
     `retime` meets them at its grid's points. Past a near miss more may be asked between them: a
     joint that passes its limit is told a lower one there, and if that does not do, everywhere.
     """
-    timing = retime(path, rate_limits, acceleration_limits)
+    grid = grid_of(path)
+    needed = None if torques is None else PathTorques(torques, path, grid)
+    timing = retime(path, rate_limits, acceleration_limits, None, needed)
     if period == 0.0:
         return timing
-    grid = grid_of(path)
-    strain = Strain(*(np.ones((len(grid), width)) for width in (6, 6, 1)))
+    strain = Strain(*(np.ones((len(grid), width)) for width in (6, 6, 1, 6)))
     for k in range(_ROUNDS):
         s, speed = timing.at(np.arange(0.0, timing.duration, period))
         if len(s) < 2:
             break
         shares = _shares(path, s, speed, rate_limits, acceleration_limits, period)
+        if torques is not None:
+            rates = path.joints(s, 1) * speed[:, None]
+            used = shares_between(torques, path.joints(s), rates, period)
+            shares = shares._replace(torques=used)
         if max(its.max() for its in shares) <= 1.0 + _OVER:
             break
         if k >= _LOCAL_ROUNDS:
@@ -163,7 +200,7 @@ def retime_within(
         strain = Strain(
             *(told * _at_grid(its, s, grid) for told, its in zip(strain, shares, strict=True))
         )
-        timing = retime(path, rate_limits, acceleration_limits, strain)
+        timing = retime(path, rate_limits, acceleration_limits, strain, needed)
     return timing
 
 
@@ -188,7 +225,7 @@ def _shares(
     harder = np.zeros_like(over)
     if acceleration_limits is not None:
         harder = np.abs(np.diff(rates, axis=0)) / (period * np.array(acceleration_limits))
-    return Strain(over, harder, hand)
+    return Strain(over, harder, hand, np.zeros_like(over))
 
 
 def _at_grid(shares: Array, s: Array, grid: Array) -> Array:

@@ -5,9 +5,12 @@ from typing import get_args
 
 import numpy as np
 
+from controllers.arm.dynamics.carried import torques_for, torques_of_plan
+from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.optimum import least_time
 from controllers.arm.plan import ArmPlan
+from controllers.arm.pose_path import PosePath
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.motion import InfeasibleMotion
 from rig.hal.motion import Fact
@@ -28,6 +31,7 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
     optimum = _optimum(geometry, path)
     facts = {
         **_shares(plan, geometry),
+        **_torques(plan, geometry, path),
         "time_end": Fact(plan.duration, "s", "duration of the motion"),
         "time_optimum": Fact(optimum, "s", "least time under the joints' rate limits alone"),
         "time_over_optimum": Fact(
@@ -80,6 +84,23 @@ def _shares(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, Fact]:
         "peak_acceleration_share": Fact(
             float(hardest.max()), "", "greatest acceleration over its limit"
         ),
+    }
+
+
+def _torques(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, Fact]:
+    """Return what is asked of the drives, if the profile says their limits and the masses."""
+    if geometry.dynamics is None:
+        return {}
+    payload = path.payload if isinstance(path, PosePath) else Payload()
+    torques = torques_for(geometry, payload)
+    needed = np.abs(torques_of_plan(torques, plan)).max(axis=0, initial=0.0)
+    share = float((needed / torques.limits).max())
+    return {
+        "peak_torque_share": Fact(share, "", "greatest torque foreseen over its limit"),
+        **{
+            f"peak_torque_{name}": Fact(float(torque), "N m", f"greatest torque foreseen of {name}")
+            for name, torque in zip(AXIS_NAMES, needed, strict=True)
+        },
     }
 
 
