@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, reachable
-from controllers.arm.kinematics import Dimensions
+from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints
+from controllers.arm.vectors import rotation_error
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
@@ -25,6 +26,12 @@ _COARSEST = 200
 _SHORTEST = 1e-13
 """Share of the path below which a step is not divided any more: past two near misses at once, of
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
+_REFINEMENTS = 8
+"""How often steps are halved between which the path is left."""
+_LOOSE = 1e-7
+"""Distance of the hand from its path halfway between two samples, m."""
+_LOOSE_TURN = 1e-6
+"""The same of the tool, rad."""
 _UNDECIDED = 1e-7
 """A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
 
@@ -122,7 +129,35 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
         nominal.append(t)
         joints.append(q)
         step *= 1.6 if moved < 0.4 * FINEST else 1.0
-    return AxisPath(joints, nominal, nominal)
+    for _ in range(_REFINEMENTS):
+        made = AxisPath(joints, nominal, nominal)
+        loose = _loose(arm, trajectory, made)
+        if not loose:
+            break
+        added = []
+        for s in loose:
+            t, q = float(made.way(np.array([s]))[0, 0]), made.joints(np.array([s]))[0].tolist()
+            added.append((t, solve(t, tuple(q))))
+        rows = zip(nominal, joints, strict=True)
+        both = sorted((*rows, *((t, q) for t, q in added if q is not None)), key=lambda row: row[0])
+        nominal, joints = [t for t, _ in both], [q for _, q in both]
+    return made
+
+
+def _loose(arm: Dimensions, trajectory: Trajectory, path: AxisPath) -> list[float]:
+    """Return the middles (rad) of those steps at which a joint path leaves the hand's path.
+
+    A path may bend within less than a step, where its spline all but turns back.
+    """
+    middles = 0.5 * (path.knots[1:] + path.knots[:-1])
+    found = []
+    times = path.way(middles)[:, 0].tolist()
+    for s, t, q in zip(middles.tolist(), times, path.joints(middles).tolist(), strict=True):
+        wanted, made = trajectory.pose(t), forward(arm, tuple(q))
+        turned = max(abs(e) for e in rotation_error(wanted.rotation, made.rotation))
+        if math.dist(wanted.position, made.position) > _LOOSE or turned > _LOOSE_TURN:
+            found.append(s)
+    return found
 
 
 def _gone(trajectory: Trajectory, t: float) -> str:

@@ -93,9 +93,11 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         carried = carried_along(trajectory)
         torques = None
         if carried is not None:
-            check_held(self.geometry, carried, path, grid_of(path), trajectory.speed)
-            torques = torques_for(self.geometry, carried)
-            torques.limits = self.settings.torque_share * torques.limits
+            share = self.settings.torque_share
+            torques, light = (
+                torques_for(self.geometry, its, share) for its in (carried, Payload())
+            )
+            check_held(torques, light, path, grid_of(path), trajectory.speed)
         return retime_within(path, rates, allowed, self.period, torques)
 
     def promised(self, trajectory: Trajectory) -> Promises:

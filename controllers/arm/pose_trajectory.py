@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 _SAMPLES = 4000
 """Of the spline, for its length."""
+_BETWEEN = 65
+"""Places that are looked at between three samples."""
 _ROUNDS = 4
 """Newton's, for the nearest place."""
 
@@ -67,7 +69,8 @@ class PoseTrajectory:
         pieces = np.diff(fine) * (slopes[1:] + 4.0 * middle + slopes[:-1]) / 6.0
         lengths = np.concatenate(([0.0], np.cumsum(pieces)))
         self._at = CubicSpline(lengths, fine)
-        self._lengths, self._samples = lengths, np.asarray(self._places(fine))
+        self._fine, self._samples = fine, np.asarray(self._places(fine))
+        self._spacing = float(np.linalg.norm(np.diff(self._samples, axis=0), axis=1).max())
         self.speed = speed
         self.duration = float(lengths[-1]) / speed
         self.turn_rate = max(
@@ -99,15 +102,30 @@ class PoseTrajectory:
     def foot(self, position: Vector) -> Vector:
         """Return the nearest place of the path, m."""
         at = np.array(position)
-        k = int(np.argmin(np.linalg.norm(self._samples - at, axis=1)))
-        u = float(self._at(self._lengths[k]))
+        away = np.linalg.norm(self._samples - at, axis=1)
+        wide = np.concatenate(([np.inf], away, [np.inf]))
+        lowest = (away <= wide[:-2]) & (away <= wide[2:])
+        # Where a path comes back close by, the nearest sample may be on the other way.
+        near = np.flatnonzero(lowest & (away <= away.min() + self._spacing))
+        feet = [self._foot_at(at, int(k)) for k in near]
+        x, y, z = min(feet, key=lambda foot: float(np.linalg.norm(foot - at))).tolist()
+        return x, y, z
+
+    def _foot_at(self, at: Array, k: int) -> Array:
+        """Return the nearest place about a sample, m."""
+        last = len(self._fine) - 1
+        grid = np.linspace(self._fine[max(k - 1, 0)], self._fine[min(k + 1, last)], _BETWEEN)
+        u = float(grid[int(np.argmin(np.linalg.norm(self._places(grid) - at, axis=1)))])
         for _ in range(_ROUNDS):
             away, slope = self._places(u) - at, self._places(u, 1)
             curve = float(slope @ slope + away @ self._places(u, 2))
-            u -= float(away @ slope) / curve if curve > 0.0 else 0.0
-            u = min(max(u, 0.0), float(self._places.x[-1]))
-        x, y, z = self._places(u).tolist()
-        return x, y, z
+            if curve <= 0.0:
+                break
+            nearer = min(max(u - float(away @ slope) / curve, 0.0), float(self._places.x[-1]))
+            if np.linalg.norm(self._places(nearer) - at) > np.linalg.norm(away):
+                break  # next to where the path turns back Newton may go past it
+            u = nearer
+        return np.asarray(self._places(u))
 
     def _begin(self, arm: Dimensions, near: Joints) -> Joints:
         pose = self.pose(0.0)

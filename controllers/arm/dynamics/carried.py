@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from controllers.arm.axis_path import AxisPath
 from controllers.arm.dynamics.chain import ArmTorques
-from controllers.arm.dynamics.limits import PathTorques, TooHeavy, halfway, heaviest
+from controllers.arm.dynamics.limits import HELD, PathTorques, TooHeavy, halfway, heaviest
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
@@ -16,8 +16,8 @@ from controllers.motion import InfeasibleMotion
 Array = NDArray[np.float64]
 
 
-def torques_for(geometry: ArmGeometry, payload: Payload) -> ArmTorques:
-    """Return the torques of an arm with a payload.
+def torques_for(geometry: ArmGeometry, payload: Payload, share: float = 1.0) -> ArmTorques:
+    """Return the torques of an arm with a payload, whose limits are a share of its drives'.
 
     Raises
     ------
@@ -29,48 +29,44 @@ def torques_for(geometry: ArmGeometry, payload: Payload) -> ArmTorques:
             "the path is to be timed under the drives' torques, and the profile does not say them: "
             "give geometry.dynamics."
         )
-    return ArmTorques(geometry, geometry.dynamics, payload)
+    torques = ArmTorques(geometry, geometry.dynamics, payload)
+    torques.limits = share * torques.limits
+    return torques
 
 
 def check_held(
-    geometry: ArmGeometry, payload: Payload, path: AxisPath, s: Array, speed: float
+    torques: ArmTorques, light: ArmTorques, path: AxisPath, s: Array, way: float
 ) -> None:
     """Raise if the drives could not hold the arm with its payload anywhere on a path.
 
     Parameters
     ----------
-    geometry, payload
-        The arm and its load.
+    torques, light : ArmTorques
+        Of the arm with its load, and without.
     path : AxisPath
         The joints.
     s : ndarray, shape (n,)
         Places to look at, rad.
-    speed : float
-        Nominal, of the hand, m/s.
+    way : float
+        Of the hand in a second of the nominal time, m/s.
 
     Raises
     ------
     InfeasibleMotion
         With place, joint, torque, limit, and the payload that would be held.
     """
-    torques = torques_for(geometry, payload)
     along = PathTorques(torques, path, s)
     try:
         along.check_held()
     except TooHeavy as error:
-        gone = speed * float(path.way(s[error.at : error.at + 1])[0, 0])
-        light = PathTorques(torques_for(geometry, Payload()), path, s)
-        most = heaviest(light, along, payload.mass) if payload.mass else -math.inf
-        held = (
-            f"{math.floor(1e3 * most) / 1e3:g} kg would be held"
-            if most > 1e-3
-            else "no payload would be held"
-        )
+        gone = way * float(path.way(s[error.at : error.at + 1])[0, 0])
+        most = math.floor(1e3 * heaviest(PathTorques(light, path, s), along, torques.carried)) / 1e3
+        would = f"{most:g} kg would be held" if most > 0.0 else "not even an empty hand is held"
         raise InfeasibleMotion(
             f"after {gone:.4f} m of the path {AXIS_NAMES[error.joint]} would need "
-            f"{error.torque:.4g} N m to hold the arm and its payload of {payload.mass:g} kg, "
-            f"beyond 98 % of its limit of {torques.limits[error.joint]:g} N m; the rest has to "
-            f"move it: {held}."
+            f"{error.torque:.4g} N m to hold the arm and its payload of {torques.carried:g} kg, "
+            f"beyond {100.0 * HELD:g} % of the {torques.limits[error.joint]:.6g} N m that it may "
+            f"have; the rest has to move it: {would}."
         ) from error
 
 

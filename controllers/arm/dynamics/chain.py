@@ -176,6 +176,7 @@ class ArmTorques:
     """
 
     def __init__(self, geometry: ArmGeometry, dynamics: ArmDynamics, payload: Payload) -> None:
+        self.carried = payload.mass
         self.limits: Array = np.array(dynamics.torque_limits)
         self._links = links_of(geometry, dynamics, payload)
         self._rotors = np.array(dynamics.rotors)

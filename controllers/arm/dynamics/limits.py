@@ -16,7 +16,7 @@ _SHARE = 0.995
 points, not between them."""
 _OVER = 5e-4
 """Of a limit, by which it may be passed."""
-_HELD = 0.98
+HELD = 0.98
 """Of a limit that weight and dry friction may need: the rest moves the arm."""
 _SLOW = 1e-4
 """Share of the greatest squared speed below which viscous friction is taken as it is there."""
@@ -63,7 +63,7 @@ class PathTorques:
         """
         shares = np.maximum(self.most, -self.least) / self.limits
         k, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        if shares[k, joint] > _HELD:
+        if shares[k, joint] > HELD:
             raise TooHeavy(int(k), int(joint), float(shares[k, joint] * self.limits[joint]))
 
     def rows(self, squares: Array, strain: Array | float = 1.0) -> Rows:
@@ -140,7 +140,7 @@ class TooHeavy(InfeasibleMotion):
 
 
 def heaviest(light: PathTorques, loaded: PathTorques, mass: float) -> float:
-    """Return the greatest payload that is held all along, kg; below 0: not even none is.
+    """Return the greatest payload that is held all along, kg; 0: not even none is.
 
     Parameters
     ----------
@@ -149,9 +149,11 @@ def heaviest(light: PathTorques, loaded: PathTorques, mass: float) -> float:
     mass : float
         Of that payload, kg.
     """
+    if mass == 0.0:
+        return 0.0
     grows = (loaded.most - light.most) / mass
-    bound = _HELD * light.limits
+    bound = HELD * light.limits
     with np.errstate(divide="ignore", invalid="ignore"):
         up = np.where(grows > 0.0, (bound - light.most) / grows, np.inf)
         down = np.where(grows < 0.0, (-bound - light.least) / grows, np.inf)
-    return float(min(up.min(), down.min()))
+    return max(float(min(up.min(), down.min())), 0.0)

@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Unit
+from annotated_types import Interval, Unit
 
-Torque = Annotated[float, Unit("N m"), Gt(0)]
-Friction = Annotated[float, Unit("N m"), Ge(0)]
-Viscous = Annotated[float, Unit("N m s/rad"), Ge(0)]
-Inertia = Annotated[float, Unit("kg m^2"), Ge(0)]
-Mass = Annotated[float, Unit("kg"), Ge(0)]
-Radius = Annotated[float, Unit("m"), Gt(0)]
-Length = Annotated[float, Unit("m")]
+Torque = Annotated[float, Unit("N m"), Interval(gt=0, le=1e5)]
+Friction = Annotated[float, Unit("N m"), Interval(ge=0, le=1e4)]
+Viscous = Annotated[float, Unit("N m s/rad"), Interval(ge=0, le=1e5)]
+Inertia = Annotated[float, Unit("kg m^2"), Interval(ge=0, le=1e3)]
+Mass = Annotated[float, Unit("kg"), Interval(ge=0, le=1e4)]
+Radius = Annotated[float, Unit("m"), Interval(gt=0, le=2)]
+Length = Annotated[float, Unit("m"), Interval(ge=-10, le=10)]
 Place = tuple[Length, Length, Length]
 Moments = tuple[Inertia, Inertia, Inertia]
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.mechanisms.arm.boundary import meridian
+from rig.mechanisms.arm.torque_figure import draw_torques
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
@@ -210,6 +211,9 @@ ARM_FIGURES = {
     ),
     "inside": FigureKind(
         draw_inside, "Wrist centre inside the workspace's boundary; hand off its place."
+    ),
+    "torques": FigureKind(
+        draw_torques, "Torques that the commanded motion asks of the drives, and their limits."
     ),
     "arm": FigureKind(draw_arm, "The arm along its path from the side and from above."),
 }

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import torque_oracle
 from drawn_cases import WIDE, faults_of, hand_of
-from hypothesis import given
-from hypothesis import strategies as st
-from test_arm_path import drawn
+from test_arm_path import drawn, spline_of
 
 from controllers.arm.dynamics.chain import ArmTorques
 from controllers.arm.dynamics.settings import ArmDynamics, Payload
@@ -128,7 +126,9 @@ def with_payload(geometry, settings, payload):
     return mujoco.MjModel.from_xml_string(text[:site] + body + text[site:])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed", [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(16) if k not in (0, 2))]
+)
 def test_no_drive_gives_more_than_it_can_and_nobody_is_much_faster(seed):
     geometry, path = case(seed)
     made = plan(geometry, path)
@@ -144,6 +144,24 @@ def test_no_drive_gives_more_than_it_can_and_nobody_is_much_faster(seed):
     assert made.duration >= 0.99 * best  # faster than the optimum is wrong, too
 
 
+@pytest.mark.parametrize("seed", [6, 13, 17])
+def test_a_path_that_all_but_turns_back_within_a_tenth_of_a_millimetre_is_kept(seed):
+    path, strong = drawn(seed), ArmDynamics(torque_limits=(1e5,) * 6)
+    geometry = ArmGeometry(**WIDE)
+    made = plan(geometry, path)
+    at, tool = hand_of(geometry, path.near)
+    spline, end = spline_of(np.array(path.points) @ tool.T + at)
+    fine = spline(np.linspace(0.0, end, 400_000))
+    hands = np.array([hand_of(geometry, q)[0] for q in made.positions[::3].tolist()])
+    assert max(np.linalg.norm(fine - hand, axis=1).min() for hand in hands) < 2e-6
+    assert faults_of(geometry, path, made, EVERY, EVERY) == []
+    best = torque_oracle.least_time(
+        geometry, strong, needs_of(dataclasses.replace(geometry, dynamics=strong), path), made,
+        lambda q: hand_of(geometry, q)[0], path.speed,
+    )  # fmt: skip
+    assert made.duration <= 1.02 * best
+
+
 def test_strong_drives_change_nothing():
     geometry, path = case(0)
     strong = dataclasses.replace(geometry.dynamics, torque_limits=(1e5,) * 6)
@@ -153,10 +171,15 @@ def test_strong_drives_change_nothing():
 
 
 def test_a_share_of_the_torques_is_kept():
-    geometry, path = case(1)
-    made = plan(geometry, path, torque_share=0.8)
-    assert shares_of(geometry, path, made).max() <= 0.8 * 1.0015
-    assert made.duration > 1.01 * plan(geometry, path).duration
+    geometry, path = case(2)
+    limits = tuple(limit / 0.8 for limit in geometry.dynamics.torque_limits)
+    stronger = dataclasses.replace(geometry.dynamics, torque_limits=limits)
+    stronger = dataclasses.replace(geometry, dynamics=stronger)
+    made = plan(stronger, path, torque_share=0.8)
+    assert shares_of(stronger, path, made).max() <= 0.8 * 1.0015
+    assert made.duration == pytest.approx(plan(geometry, path).duration, rel=1e-6)
+    with pytest.raises(InfeasibleMotion, match=r"beyond 98 % of the \S+ N m that it may have"):
+        plan(geometry, path, torque_share=0.3)
 
 
 def test_who_says_no_masses_is_timed_under_no_torques():
@@ -165,7 +188,7 @@ def test_who_says_no_masses_is_timed_under_no_torques():
         plan(ArmGeometry(**WIDE), path)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_payload_that_is_too_heavy_is_refused_with_one_that_is_held(seed):
     geometry, path = case(seed)
     heavy = dataclasses.replace(path, payload=dataclasses.replace(path.payload, mass=30.0))
@@ -173,7 +196,7 @@ def test_a_payload_that_is_too_heavy_is_refused_with_one_that_is_held(seed):
         plan(geometry, heavy)
     said = str(refused.value)
     joint, torque, limit, most = re.search(
-        r"path q(\d) would need (\S+) N m .* limit of (\S+) N m; .*: (\S+) kg would be held", said
+        r"path q(\d) would need (\S+) N m .* of the (\S+) N m that .*: (\S+) kg would be held", said
     ).groups()
     assert float(limit) == pytest.approx(geometry.dynamics.torque_limits[int(joint) - 1], rel=1e-5)
     held = shares_at_rest(
@@ -199,7 +222,7 @@ def shares_at_rest(geometry, path, made):
     return np.abs(held) / geometry.dynamics.torque_limits
 
 
-@given(st.sampled_from(["centres", "moments"]))
+@pytest.mark.parametrize("which", ["centres", "moments"])
 def test_centres_and_moments_belong_together(which):
     with pytest.raises(ValueError, match="belong together"):
         ArmDynamics(**{which: ((0.1, 0.1, 0.1),) * 6})
