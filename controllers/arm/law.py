@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Generator
 from typing import Any, ClassVar
 
+from controllers.arm.choice import begun_elsewhere
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.online.commands import ArmTwists
@@ -118,13 +119,13 @@ class ArmLaw(
         return plan
 
     def _within_ranges(self, path: ArmPathSettings) -> ArmPlan:
-        """Return the plan of a path, begun whole turns away where only that keeps the ranges."""
+        """Return the plan of a path, begun elsewhere where only that keeps the ranges."""
         try:
             return self._planned(path)
         except OutOfRange as error:
-            if error.turns is None or not isinstance(path, PosePath):
+            if not isinstance(path, PosePath):
                 raise
-            return self._planned(path.turned(error.turns))
+            return begun_elsewhere(self.arm, path, error, self._planned)
 
     def _planned(self, path: ArmPathSettings) -> ArmPlan:
         """Return the plan of a path that keeps what is promised, which is then the law's own.

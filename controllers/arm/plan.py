@@ -77,6 +77,8 @@ class ArmPlan:
         The place of the path that is nearest to the hand, m.
     marks : dict
         Instants by name, s: ``"region"`` where a region is entered and left.
+    notes : tuple of str
+        What was chosen, and why.
     """
 
     law: str
@@ -94,6 +96,7 @@ class ArmPlan:
     inside: Array
     path: Array
     marks: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def at(self, t: float) -> ArmReference:
         """Return the reference of the cycle at `t` seconds; before 0 and after the end it rests."""

@@ -44,7 +44,10 @@ class PosePath(ArmPath):
     near : tuple of float
         Joints near which the path begins, rad: they say which of the arm's branches it takes, and
         how the tool points if no rotation is given. Where a joint would leave its range that it
-        keeps a whole turn away, the path begins there.
+        keeps a whole turn away or on another branch, the path begins there.
+    begin : tuple of float, optional
+        Joints near which it begins instead, rad: another branch, while all that `near` says of
+        frame and tool stays.
     speed : float
         Of the hand at most, m/s.
     payload : Payload
@@ -58,6 +61,7 @@ class PosePath(ArmPath):
     points: tuple[Place, ...] = ()
     frame: str | TaughtFrame = _BASE
     near: SixAngles = _NEAR
+    begin: SixAngles | None = None
     speed: Annotated[float, Unit("m/s"), Gt(0)] = 0.1
     payload: Payload = Payload()  # noqa: RUF009  (frozen)
     torques: bool = False
@@ -69,7 +73,11 @@ class PosePath(ArmPath):
     def turned(self, turns: Joints) -> "PosePath":
         """Return the same path, begun with joints that are whole turns (rad) away."""
         q1, q2, q3, q4, q5, q6 = map(add, self.near, turns)
-        return replace(self, near=(q1, q2, q3, q4, q5, q6))
+        near = (q1, q2, q3, q4, q5, q6)
+        if self.begin is None:
+            return replace(self, near=near)
+        b1, b2, b3, b4, b5, b6 = map(add, self.begin, turns)
+        return replace(self, near=near, begin=(b1, b2, b3, b4, b5, b6))
 
     def seen_in(self, frames: Mapping[str, TaughtFrame]) -> "PosePath":
         """Return the same path with one of a rig's frames, if it names one.
@@ -102,7 +110,9 @@ class PosePath(ArmPath):
                 f"a path needs two places at least; there is {len(poses.places)}."
             )
         carried = self.payload if self.torques else None
-        return PoseTrajectory(arm, poses, self._frame(arm), self.near, self.speed, carried)
+        return PoseTrajectory(
+            arm, poses, self._frame(arm), self.near, self.begin or self.near, self.speed, carried
+        )
 
     def _frame(self, arm: Dimensions) -> Pose | None:
         """Return the pose of the frame in the base; None: it is the base's own."""

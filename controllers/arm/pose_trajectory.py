@@ -33,8 +33,9 @@ class PoseTrajectory:
         Places and how the tool stands there, as their frame sees them.
     frame : Pose, optional
         Of the frame in the base; None: the base's own.
-    near : tuple of float
-        See `PosePath`.
+    near, begin : tuple of float
+        How the tool stands unless it is said, and near which joints the path begins, rad; see
+        `PosePath`.
     speed : float
         Of the hand, m/s.
     carried : Payload, optional
@@ -52,6 +53,7 @@ class PoseTrajectory:
         poses: Poses,
         frame: Pose | None,
         near: Joints,
+        begin: Joints,
         speed: float,
         carried: Payload | None = None,
     ) -> None:
@@ -77,7 +79,7 @@ class PoseTrajectory:
             float(np.linalg.norm(self.twist(t).angular))
             for t in np.linspace(0.0, self.duration, 200).tolist()
         )
-        self.start = self._begin(arm, near)
+        self.start = self._begin(arm, begin)
         self.carried = carried
 
     def pose(self, t: float) -> Pose:

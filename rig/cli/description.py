@@ -176,6 +176,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
         "duration": motion.duration,
         "approach": experiment.approach,
         "files": [str(path) for path in experiment.files],
+        "remarks": [note._asdict() for note in motion.remarks],
         "segments": [segment._asdict() for segment in motion.segments],
         "metrics": metrics,
     }
@@ -299,11 +300,13 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         (s["name"], format_quantity(s["start"], "s"), format_quantity(s["end"], "s"))
         for s in experiment["segments"]
     ]
+    remarks = [(note["kind"], note["message"]) for note in experiment["remarks"]]
     metrics = [
         (m["name"], m["description"], m["segments"], _bound(m)) for m in experiment["metrics"]
     ]
     return [
         Table(f"experiment {experiment['name']}", ("what", "value"), facts),
+        *([Table("what is known of the motion", ("what", "how"), remarks)] if remarks else []),
         Table("segments", ("segment", "start", "end"), segments),
         Table("metrics", ("metric", "what", "segments", "bound"), metrics),
         *([loop_table(experiment["controller"], experiment["loop"])] if experiment["loop"] else []),

@@ -63,6 +63,9 @@ class Motion(Protocol[Followed]):
     facts: Mapping[str, Fact] = MappingProxyType({})
     """What is known of it before it is done."""
 
+    remarks: Sequence["Note"] = ()
+    """What is known of it before it is done, in words: what was chosen, and why."""
+
     watches: bool = False
     """Whether it depends on what is measured: `see` is called, and its end may come at any time."""
 

@@ -1,6 +1,7 @@
 """What is known of an arm's motion before it is done: numbers for metrics and comparisons."""
 
 import math
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -28,7 +29,7 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
     crossings = plan.crossings
     region = plan.marks.get("region", ())
     done = plan.outcome == "done"
-    optimum = _optimum(geometry, path)
+    optimum = _optimum(geometry, path, plan)
     facts = {
         **_shares(plan, geometry),
         **_torques(plan, geometry, path),
@@ -111,7 +112,11 @@ def return_error(start: np.ndarray, end: np.ndarray) -> float:
     return float(np.abs(difference - turns).max())
 
 
-def _optimum(geometry: ArmGeometry, path: ArmPathSettings) -> float:
+def _optimum(geometry: ArmGeometry, path: ArmPathSettings, plan: ArmPlan) -> float:
+    """Return the least time on the branch that the plan is on, s."""
+    if isinstance(path, PosePath):
+        q1, q2, q3, q4, q5, q6 = plan.positions[0].tolist()
+        path = replace(path, begin=(q1, q2, q3, q4, q5, q6))
     try:
         return least_time(geometry, path)
     except InfeasibleMotion:  # laws that do without the singularity may have done it

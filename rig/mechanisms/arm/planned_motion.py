@@ -8,6 +8,7 @@ from controllers.arm.plan import ArmPlan
 from controllers.arm.types import ArmReference
 from rig.hal.motion import Fact, Segment
 from rig.mechanisms.arm.facts import facts_of_plan
+from rig.mechanisms.arm.remarks import remarks_of_plan
 from rig.mechanisms.servo.planned import PlannedMotion
 
 SETTLING = 0.25
@@ -34,6 +35,7 @@ class PlannedArmMotion(PlannedMotion[ArmReference]):
         ]
         super().__init__(np.column_stack(columns))
         self.facts = self.facts_from(plan, geometry, path)
+        self.remarks = remarks_of_plan(plan, arm)
 
     @classmethod
     def facts_from(cls, plan: ArmPlan, geometry: ArmGeometry, asked: object) -> dict[str, Fact]:

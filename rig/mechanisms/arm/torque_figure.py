@@ -24,8 +24,10 @@ def draw_torques(run: RunData) -> "Figure | None":
     """Draw what the commanded motion asks of the drives, what they gave, and their limits."""
     rates = [f"command.velocity_{name}" for name in AXIS_NAMES]
     joints = [f"command.position_{name}" for name in AXIS_NAMES]
+    if len(run.time) < 2 or not run.has(*rates, *joints, "plan.index_wrist"):
+        return None
     needs = _torques_of(run)
-    if needs is None or len(run.time) < 2 or not run.has(*rates, *joints):
+    if needs is None:
         return None
     t = run.time
     q, v = (np.column_stack([run.trace(name) for name in names]) for names in (joints, rates))
