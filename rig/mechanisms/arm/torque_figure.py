@@ -1,6 +1,6 @@
 """The torques of an arm's drives against their limits."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -54,11 +54,11 @@ def draw_torques(run: RunData) -> "Figure | None":
 
 def _torques_of(run: RunData) -> "ArmTorques | None":
     """Return what is known of the arm's drives and its payload; None if that is nothing."""
-    geometry: Any = adapter(ArmGeometry).validate_python(run.settings["geometry"])
-    if geometry.dynamics is None:
+    geometry = adapter(ArmGeometry).validate_python(run.settings["geometry"])
+    if not isinstance(geometry, ArmGeometry) or geometry.dynamics is None:
         return None
     experiment = read_plain(run.folder.path / "experiment.yaml")
     reference = experiment.get("reference") if isinstance(experiment, dict) else None
     carried = reference.get("payload", {}) if isinstance(reference, dict) else {}
-    payload: Any = adapter(Payload).validate_python(carried)
-    return torques_for(geometry, payload)
+    payload = adapter(Payload).validate_python(carried)
+    return torques_for(geometry, payload) if isinstance(payload, Payload) else None
