@@ -37,6 +37,7 @@ from controllers.arm.turn_back import (
     radial_share,
     turn_back,
 )
+from controllers.arm.turn_path import TurnTrajectory
 from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
 
@@ -282,14 +283,14 @@ class Esc(ArmLaw[EscSettings]):
         """Yield a sample per period."""
         if isinstance(trajectory, CircularTrajectory):
             return circle_motion(self, trajectory, end)
+        if isinstance(trajectory, TurnTrajectory):
+            return self._one_way(trajectory, end)
         if not isinstance(trajectory, StraightTrajectory):
             raise unknown_path(self.name, trajectory)
         if trajectory.depth is not None:
             return dwell_motion(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
-            path = axis_path_of_line(self.arm, trajectory)
-            timing = retime_within(path, self.geometry.rate_limits, None, self.period)
-            return follow_axis_path(trajectory, path, timing, self.period, end)
+            return self._one_way(trajectory, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, self.region)
         elbow = trajectory.start[2] + self.arm.elbow_angle
@@ -297,6 +298,12 @@ class Esc(ArmLaw[EscSettings]):
         check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, side))
         slow = within_limits(self.geometry)
         return turn_back(self.arm, trajectory, sin_qs, side, slow, self.period, end)
+
+    def _one_way(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Return a path that is gone once, as fast as the joints' rates allow."""
+        path = axis_path_of_line(self.arm, trajectory)
+        timing = retime_within(path, self.geometry.rate_limits, None, self.period)
+        return follow_axis_path(trajectory, path, timing, self.period, end)
 
 
 def within_limits(geometry: ArmGeometry) -> Slowing:

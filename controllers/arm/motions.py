@@ -188,6 +188,7 @@ def integrated_motion(
 def unknown_path(law: str, trajectory: Trajectory) -> InfeasibleMotion:
     """Return the refusal of a path of another kind."""
     return InfeasibleMotion(
-        f"{law} plans lines and circles, not a {type(trajectory).__name__}; "
-        "inverse, dls and servo-halt follow any path, look-ahead one through given places as well."
+        f"{law} plans lines and circles through a singularity, not a {type(trajectory).__name__}; "
+        "inverse, dls and servo-halt follow any path, esc a turn as well, and look-ahead a turn "
+        "and one through given places."
     )

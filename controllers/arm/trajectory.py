@@ -42,8 +42,8 @@ class ArmPath(ABC):
     """Base of the paths of an arm's hand; another package's references inherit it.
 
     The plain laws follow any trajectory. The singularity-consistent ones plan lines and circles
-    (`controllers.arm.trajectories`), `look-ahead` the splines of `PosePath` as well, and refuse
-    any other.
+    (`controllers.arm.trajectories`), `esc` a `TurnPath` as well, `look-ahead` that and the splines
+    of `PosePath`, and refuse any other.
     """
 
     @abstractmethod

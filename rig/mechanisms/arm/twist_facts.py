@@ -49,7 +49,7 @@ def facts_of_twists(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, Fact]:
         ),
         "distance_asked": Fact(whole, "m", "way of the hand that the twists ask for"),
         "distance": Fact(way, "m", "way of the hand"),
-        "distance_share": Fact(along / whole if whole else math.nan, "", "of it along the twists"),
+        "distance_share": Fact(along / whole if whole else 1.0, "", "of it along the twists"),
         "peak_rate_share": Fact(float((rates / limits).max()), "", "greatest rate over its limit"),
         "peak_acceleration_share": Fact(over, "", "greatest acceleration over its limit"),
         "rate_jump": Fact(jump, "", "greatest change of a rate within 1 ms over its limit"),

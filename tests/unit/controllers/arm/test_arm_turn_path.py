@@ -6,7 +6,7 @@ from arm_cases import GEOMETRIES, radians
 from scipy.spatial.transform import Rotation as Turn
 from twist_oracle import hand_of
 
-from controllers.arm.esc import Esc, EscSettings
+from controllers.arm.esc import Esc, EscPaper, EscPaperSettings
 from controllers.arm.look_ahead import LookAhead
 from controllers.arm.plain import Inverse, InverseSettings
 from controllers.arm.turn_path import TurnPath
@@ -20,10 +20,11 @@ def planned(path, law=LookAhead, settings=None):
     return law(settings or law.Settings(), GEOMETRY, 5e-3).prepare(path)
 
 
+@pytest.mark.parametrize("law", [LookAhead, Esc])
 @pytest.mark.parametrize("seed", range(6))
-def test_the_tool_turns_about_its_own_point(seed):
+def test_the_tool_turns_about_its_own_point(seed, law):
     axis = np.random.default_rng(seed).normal(size=3)
-    plan = planned(TurnPath(START, tuple(axis), angle=0.4))
+    plan = planned(TurnPath(START, tuple(axis), angle=0.4), law)
     p0, r0 = hand_of(GEOMETRY, START)
     p1, r1 = hand_of(GEOMETRY, plan.positions[-1])
     hands = np.array([hand_of(GEOMETRY, q)[0] for q in plan.positions])
@@ -65,8 +66,8 @@ def test_what_cannot_be_is_said():
         TurnPath(START, (0, 0, 1), tool_turns=False)
     with pytest.raises(ValueError, match="axis must have a length"):
         planned(TurnPath(START, (0, 0, 0)))
-    with pytest.raises(InfeasibleMotion, match="esc plans lines and circles"):
-        planned(TurnPath(START, (0, 0, 1)), Esc, EscSettings())
+    with pytest.raises(InfeasibleMotion, match="esc-paper plans lines and circles"):
+        planned(TurnPath(START, (0, 0, 1)), EscPaper, EscPaperSettings())
     hand, _ = hand_of(GEOMETRY, START)
     far = tuple(np.add(hand, (0.0, 0.0, 2.0)))
     with pytest.raises(InfeasibleMotion, match="m the path leaves the workspace"):
