@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from controllers.arm.singular_places import singular_places
 from rig.mechanisms.arm.boundary import meridian
-from rig.mechanisms.arm.torque_figure import draw_torques
+from rig.mechanisms.arm.limit_figures import draw_accelerations, draw_torques
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
@@ -20,6 +21,7 @@ from rig.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -153,15 +155,44 @@ def draw_arm(run: RunData) -> "Figure | None":
     x, y, z = run.track("reference.hand").T
     side.plot(x, z, color=VERMILION, lw=1.2, label="path of the hand")
     above.plot(x, y, color=VERMILION, lw=1.2, label="path of the hand")
+    marks = _mark_singularities(run, side, above)
     _draw_boundary(side, base, geometry)
     for axes, label in ((side, "z (m)"), (above, "y (m)")):
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("x (m)")
         axes.set_ylabel(label)
     above.plot([], [], "-o", ms=2.0, color="#555555", label="arm, light to dark")
-    handles = [*above.get_legend_handles_labels()[0], *side.get_legend_handles_labels()[0][1:]]
+    reach = side.get_legend_handles_labels()[0][-1]
+    handles = [*above.get_legend_handles_labels()[0], reach, *marks]
     figure.legend(handles=handles, loc="outside upper right", ncols=3, frameon=False)
     return figure
+
+
+def _mark_singularities(run: RunData, side: "Axes", above: "Axes") -> list["Artist"]:
+    """Mark on the path where it goes through singularities, filled, or past them; for a legend."""
+    joints = [f"command.position_{name}" for name in JOINTS]
+    indices = [f"plan.{name}" for name, _ in _INDICES]
+    if not run.has(*joints, *indices):
+        return []
+    x, y, z = run.track("reference.hand").T
+    of, q = (np.column_stack([run.trace(name) for name in names]) for names in (indices, joints))
+    drawn: dict[str, Artist] = {}
+    for place in singular_places(of, q):
+        how = "through" if place.through else "past"
+        fill = BLUE if place.through else "white"
+        marker = {"shoulder": "s", "elbow": "^", "wrist": "o"}[place.kind]
+        for axes, height in ((side, z), (above, y)):
+            axes.plot(
+                x[place.at], height[place.at], marker, ms=5.0, mfc=fill, mec=BLUE, mew=1.0, zorder=5
+            )
+        label = f"{how} the {place.kind}'s singularity"
+        if label not in drawn:
+            from matplotlib.lines import Line2D
+
+            drawn[label] = Line2D(
+                [], [], marker=marker, ls="", ms=5.0, mfc=fill, mec=BLUE, label=label
+            )
+    return list(drawn.values())
 
 
 def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> None:
@@ -211,6 +242,9 @@ ARM_FIGURES = {
     ),
     "inside": FigureKind(
         draw_inside, "Wrist centre inside the workspace's boundary; hand off its place."
+    ),
+    "accelerations": FigureKind(
+        draw_accelerations, "Commanded accelerations of the joints; limits dashed."
     ),
     "torques": FigureKind(
         draw_torques, "Torques that the commanded motion asks of the drives, and their limits."
