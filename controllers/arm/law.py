@@ -114,7 +114,7 @@ class ArmLaw(
         try:
             plan = self._within_ranges(path)
         except TooFast as error:
-            raise InfeasibleMotion(f"{error}; {self._fitting(path, error.factor)}.") from error
+            raise InfeasibleMotion(f"{error}; {self._fitting(path, error)}.") from error
         self._follower = self._motion = None
         return plan
 
@@ -153,7 +153,7 @@ class ArmLaw(
         self._trajectory = trajectory
         return plan
 
-    def _fitting(self, path: ArmPathSettings, factor: float) -> str:
+    def _fitting(self, path: ArmPathSettings, refused: TooFast) -> str:
         """Say at which speed a path would fit, which is tried if it does not take too long.
 
         What a joint needs at a singularity is not in proportion to the speed: a slower motion may
@@ -161,6 +161,7 @@ class ArmLaw(
         """
         trial = self.at_period(self.period)
         trial.longest = min(self.longest, _TRIED * self.period)
+        factor = refused.factor
         for _ in range(_TRIES):
             slower = slower_path(path, factor)
             if slower is None or factor > _SLOWEST:
@@ -169,7 +170,10 @@ class ArmLaw(
                 trial._within_ranges(slower.path)
             except TooFast as error:
                 factor *= 1.001 * error.factor
+                refused = error
             except LongMotion as error:
+                if refused.is_guess:
+                    break
                 return self._too_slow(slower.words, error.duration)
             except InfeasibleMotion:
                 break

@@ -51,11 +51,14 @@ class TooFast(InfeasibleMotion):
     ----------
     factor : float
         So many times as long the motion has to take, at least.
+    is_guess : bool
+        Whether it is no more than worth a try.
     """
 
-    def __init__(self, message: str, factor: float) -> None:
+    def __init__(self, message: str, factor: float, *, is_guess: bool = False) -> None:
         super().__init__(message)
         self.factor = factor
+        self.is_guess = is_guess
 
 
 def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> None:
@@ -80,6 +83,7 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
             f"after {plan.t[k]:.3f} s the hand would be {1e3 * plan.deviation[k]:.4g} mm off its "
             f"path, more than {1e3 * _OFF_PATH:g} mm, as a period is too long beside a singularity",
             _ROOM * (plan.path_deviation / _OFF_PATH) ** (1.0 / _ORDER),
+            is_guess=True,
         )
 
 

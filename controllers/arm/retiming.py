@@ -38,6 +38,8 @@ _ACCELERATION_SHARE = 0.98
 _ROUNDS = 16
 _LOCAL_ROUNDS = 10
 """In so many of them a joint is told a lower limit only where it has passed its own."""
+_STRETCHES = 8
+"""After them: so often the whole motion is slowed by what one joint needs."""
 _OVER = 5e-4
 """By how much, relative, a joint may pass a limit between the grid's points."""
 _RUBBINGS = 8
@@ -67,6 +69,10 @@ class Timing(NamedTuple):
     def duration(self) -> float:
         """Of the whole path, s."""
         return float(self.t[-1])
+
+    def stretched(self, factor: float) -> "Timing":
+        """Return the same way in so many times its time."""
+        return Timing(self.s, self.t * factor, self.speed / factor)
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Return place (rad) and speed (rad/s) at some instants."""
@@ -176,7 +182,8 @@ def retime_within(
     """Return the fastest timing whose samples, a period apart, keep the limits.
 
     `retime` meets them at its grid's points. Past a near miss more may be asked between them: a
-    joint that passes its limit is told a lower one there, and if that does not do, everywhere.
+    joint that passes its limit is told a lower one there, if that does not do, everywhere, and at
+    last all of the motion is slowed.
     """
     grid = grid_of(path)
     needed = None if torques is None else PathTorques(torques, path, grid)
@@ -184,7 +191,7 @@ def retime_within(
     if period == 0.0:
         return timing
     strain = Strain(*(np.ones((len(grid), width)) for width in (6, 6, 1, 6)))
-    for k in range(_ROUNDS):
+    for k in range(_ROUNDS + _STRETCHES):
         s, speed = timing.at(np.arange(0.0, timing.duration, period))
         if len(s) < 2:
             break
@@ -195,6 +202,9 @@ def retime_within(
             shares = shares._replace(torques=used)
         if max(its.max() for its in shares) <= 1.0 + _OVER:
             break
+        if k >= _ROUNDS:
+            timing = timing.stretched(_needed(shares))
+            continue
         if k >= _LOCAL_ROUNDS:
             shares = Strain(*(np.tile(its.max(axis=0), (len(its), 1)) for its in shares))
         strain = Strain(
@@ -202,6 +212,13 @@ def retime_within(
         )
         timing = retime(path, rate_limits, acceleration_limits, strain, needed)
     return timing
+
+
+def _needed(shares: Strain) -> float:
+    """Return how many times as long a motion has to take that uses these shares of its limits."""
+    worst = {name: float(its.max(initial=0.0)) for name, its in shares._asdict().items()}
+    squares = max(worst.pop("accelerations"), worst.pop("torques", 0.0))
+    return max(math.sqrt(squares), *worst.values())
 
 
 def _shares(

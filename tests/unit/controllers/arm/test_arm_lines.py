@@ -12,6 +12,7 @@ from arm_cases import (
     WRIST_HIT,
     WRIST_MISS,
 )
+from drawn_cases import WIDE, faults_of
 
 from controllers.arm.axis_path import axis_path_of_line
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
@@ -222,3 +223,20 @@ def test_timing_against_toppra():
     # The hand's own speed limit is not theirs: ours is without it here, too.
     path.way = lambda s, order=0: np.full((len(s), 2), 1e-9)
     assert retime(path, RATES, ACCELERATIONS).duration == pytest.approx(theirs, rel=5e-3)
+
+
+def test_a_line_that_no_lower_limit_of_single_joints_helps_is_slowed_as_a_whole():
+    """A micrometre past the axis of q1, and as short as that takes: 10.04 rad/s^2 were left."""
+    geometry = ArmGeometry(wrist_sign=-1, **WIDE)
+    path = Line(
+        middle=(-0.56037988, 1.08573396, 0.89780859, 2.01071661, -0.38290331, 2.60480817),
+        shoulder_distance=1e-6,
+        direction=(0.21510314, 0.37980107, 0.99092074),
+        before=0.00120468,
+        after=0.01704685,
+        speed=0.14758266,
+        axis=(1.13063193, -0.8373016536, 0.22007285),
+        turn_rate=0.2826178,
+    )
+    plan = LookAhead(LookAheadSettings(), geometry, 5e-3).prepare(path)
+    assert faults_of(geometry, path, plan, range(6), range(6)) == []
