@@ -60,6 +60,9 @@ def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[Compar
     rows = [
         _as_row(row.name, row.unit, [_value(known, row.fact) for known in facts]) for row in _ROWS
     ]
+    if all("peak_torque_share" in known for known in facts):  # the profile says the drives' limits
+        torques = [_value(known, "peak_torque_share") for known in facts]
+        rows.insert(len(JOINTS) + 1, _as_row("peak_torque_share", "", torques))
     measured = [_metric(run, "path_deviation_measured") for run in runs]
     place = next(k for k, row in enumerate(rows) if row["name"] == "path_deviation")
     rows.insert(place + 1, _as_row("path_deviation_measured", "m", measured))
