@@ -73,7 +73,16 @@ ALLOWED = [
     *(
         (
             framework,
-            (*FRAMEWORKS, "rig.assembly", *RUN_FOLDER, "rig.runtime", "rig.config", "rig.hal"),
+            (
+                *FRAMEWORKS,
+                "rig.assembly",
+                *RUN_FOLDER,
+                "rig.runtime",
+                "rig.config",
+                "rig.hal",
+                # A page of a run that stopped says why, in the words of `rig explain`.
+                *(["rig.explaining.ended_run"] if framework == "rig.report" else []),
+            ),
         )
         for framework in FRAMEWORKS
     ),

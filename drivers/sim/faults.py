@@ -103,5 +103,6 @@ def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
         own = next((fault for fault in known if "." in fault), None)
         alone = f", or for one part alone as in {own!r}" if own else ""
         raise ValueError(
-            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(common)}{alone}"
+            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(common)}{alone}; "
+            "`rig faults list RIG` says what its own names are called here"
         )

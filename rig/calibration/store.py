@@ -1,5 +1,6 @@
 """Calibration files: writing with history, comparing, refusing a worse fit."""
 
+import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
@@ -225,6 +226,24 @@ def write(
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
     return path
+
+
+def check_writable(configs: Path, rig: str) -> None:
+    """Find out whether calibrations of a rig can be kept, before anything moves for them.
+
+    Raises
+    ------
+    ConfigurationError
+        They could not be written.
+    """
+    folder = configs / "calibration" / rig
+    for place in (folder / HISTORY, folder):
+        there = next(path for path in (place, *place.parents) if path.exists())
+        if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+            raise ConfigurationError(
+                f"calibrations of {rig} cannot be kept in {folder}: {there} cannot be written to; "
+                "nothing has moved"
+            )
 
 
 def load(path: Path) -> Content:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,6 +24,7 @@ from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
+    from rig.hal.closed_loop import ClosedLoop
     from rig.report.comparison import ComparisonRow
 
 
@@ -37,6 +38,7 @@ class _Job(NamedTuple):
     configs: Path | None
     backend: str
     out: Path
+    loop: str = ""  # what a linear model says of it; empty: nothing
 
 
 @click.command()
@@ -123,10 +125,11 @@ def compare(
         }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
         draw_comparison(paths, labels, folder)
+        margins = {job.label: job.loop for job in jobs if job.loop and job.label in labels}
         if as_json:
-            print_json(content)
+            print_json({**content, "loops": margins})
         else:
-            _print_table([*labels, *refused], rows)
+            _print_table([*labels, *refused], rows, margins)
         click.echo(f"figure: {folder / 'compare.png'}", err=True)
     # A bound that one of them misses is a finding of the comparison, not its failure.
     return max((result.exit_code for result in results if result.exit_code > 1), default=0)
@@ -185,6 +188,7 @@ def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
         A file or option is wrong, or no job is possible.
     """
     from rig.config import ProfileError
+    from rig.experiment.loop_margins import loop_of
     from rig.experiment.plan import load_plan
     from rig.hal import MotionRefused
 
@@ -193,7 +197,7 @@ def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
     last: MotionRefused | None = None
     for job in jobs:
         try:
-            load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
+            plan = load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
         except ProfileError:
             raise
         except MotionRefused as error:
@@ -201,10 +205,18 @@ def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
             refused[job.label] = str(error)
             click.echo(f"{job.label}: refused: {error}", err=True)
         else:
-            permitted.append(job)
+            loop = loop_of(plan.profile, plan.controller)
+            permitted.append(job._replace(loop="" if loop is None else _margin(loop)))
     if not permitted and last is not None:
         raise last
     return permitted, refused
+
+
+def _margin(loop: ClosedLoop) -> str:
+    """Return what a linear model says of a loop, in a word or two."""
+    if not loop.stable:
+        return "by friction only"
+    return "stable" if loop.is_robust else f"sensitivity {loop.sensitivity:.2g}"
 
 
 def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
@@ -214,16 +226,16 @@ def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
     workers = min(len(jobs), os.cpu_count() or 1) if simulated else 1
     if workers == 1:
         return [_run(job, watched=True) for job in jobs]
-    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
-    results: list[Result] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(_run, job) for job in jobs]
-        for job, future in zip(jobs, futures, strict=True):
-            results.append(future.result())
-            click.echo(f"{job.label}: {results[-1].path}", err=True)
-    return results
+        futures = {pool.submit(_run, job): job for job in jobs}
+        click.echo(f"{len(jobs)} runs, {workers} at a time …", err=True)
+        for count, done in enumerate(as_completed(futures), 1):
+            said = f"{count} of {len(jobs)} done: {futures[done].label}: {done.result().path}"
+            click.echo(said, err=True)
+        return [future.result() for future in futures]
 
 
 def _run(job: _Job, *, watched: bool = False) -> Result:
@@ -257,11 +269,15 @@ def _cell(value: float | str | None, unit: str) -> str:
     return value if isinstance(value, str) else format_quantity(value, unit or "1")
 
 
-def _print_table(labels: Sequence[str], rows: Sequence[ComparisonRow]) -> None:
+def _print_table(
+    labels: Sequence[str], rows: Sequence[ComparisonRow], margins: Mapping[str, str]
+) -> None:
     cells = [["", *labels]]
     for row in rows:
         values = [_cell(value, row["unit"]) for value in row["values"]]
         cells.append([row["name"], *values])
+    if margins:
+        cells.append(["linear loop", *(margins.get(label, "-") for label in labels)])
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
     lines = []
     for line in cells:

@@ -149,6 +149,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
     from rig.experiment.measure import Measure
     from rig.experiment.metrics import known_measures
+    from rig.experiment.peaks import peaks_of
     from rig.hal.motion import Fact
 
     experiment, motion = plan.experiment, plan.motion
@@ -178,6 +179,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
         "files": [str(path) for path in experiment.files],
         "remarks": [note._asdict() for note in motion.remarks],
         "segments": [segment._asdict() for segment in motion.segments],
+        "peaks": [peak._asdict() for peak in peaks_of(plan)],
         "metrics": metrics,
     }
 
@@ -295,6 +297,7 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         ("reference", experiment["reference"]),
         ("approach", format_quantity(experiment["approach"], "s")),
         ("duration", format_quantity(experiment["duration"], "s")),
+        *((f"peak {peak['what']}", _peak(peak)) for peak in experiment["peaks"]),
     ]
     segments = [
         (s["name"], format_quantity(s["start"], "s"), format_quantity(s["end"], "s"))
@@ -312,6 +315,14 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         *([loop_table(experiment["controller"], experiment["loop"])] if experiment["loop"] else []),
         _frozen_table(experiment["frozen"]),
     ]
+
+
+def _peak(peak: dict[str, Any]) -> str:
+    limit = (
+        "" if peak["limit"] is None else f"; limit {format_quantity(peak['limit'], peak['unit'])}"
+    )
+    at = format_quantity(peak["at"], "s")
+    return f"{format_quantity(peak['value'], peak['unit'])} at {at}{limit}"
 
 
 def _bound(metric: dict[str, Any]) -> str:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rig.faults.campaign import Job
+    from rig.faults.kind import FaultKind, Place
     from rig.faults.quiet import QuietRun
     from rig.faults.subject import Subject
     from rig.faults.verdict import Verdict
@@ -48,13 +49,14 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
     from rig.faults.survey import experiments_of, survey
 
     subject = survey(rig, experiments_of(rig, configs)[:1], configs)
-    header = ("fault", "what", "where", "magnitude", "why it may go unseen")
+    header = ("fault", "what", "where", "magnitude", "in simulation.faults", "why it may go unseen")
     rows = [
         (
             name,
             kind.what,
             ", ".join(place.where for place in kind.places(subject)),
             "" if kind.magnitude is None else str(kind.magnitude),
+            _as_setting(kind, kind.places(subject)),
             kind.why,
         )
         for name, kind in kinds_for(subject).items()
@@ -68,6 +70,13 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
         lacking = Table(f"refused on {rig}", ("fault", "what", "it would need"), refused)
         print_tables([Table(f"faults of {rig}", header, rows), lacking])
     return 0
+
+
+def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
+    """Return what a profile calls a fault, of the first of its places."""
+    from rig.faults.world_kinds import in_simulation
+
+    return "" if not places else in_simulation(kind, places[0]) or ""
 
 
 @faults.command("run")
@@ -151,7 +160,7 @@ def run(
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
     from rig.assembly import Backend
-    from rig.cli.file_kinds import refuse_rig
+    from rig.cli.file_kinds import is_rig
     from rig.config.names import find_configs
     from rig.faults.campaign import run_cases
     from rig.faults.progress import CampaignProgress
@@ -165,7 +174,9 @@ def run(
         raise click.UsageError("--quiet breaks nothing; --full, --random and --only do")
     if hours is None and on != "virtual":
         raise click.UsageError("without frames there is little to break; --on is for --quiet")
-    for name in filter(_is_file, rigs):
+    search = find_configs(configs)
+    scenarios = {name for name in rigs if _is_file(name) and not is_rig(name, search)}
+    for name in scenarios:
         if breaks or hours is not None or experiments:
             raise click.UsageError(f"{name} says itself what breaks, once, and in what")
     folder = out / f"seed-{seed}"
@@ -176,12 +187,7 @@ def run(
         return _be_quiet(drawn, folder, workers, as_json)
     jobs: list[Job] = []
     for name in rigs or RIGS:
-        if _is_file(name):
-            refuse_rig(
-                name,
-                find_configs(configs),
-                "a file of `rig faults run` is a scenario's; rigs go by name",
-            )
+        if name in scenarios:
             jobs.append(_scenario_job(Path(name), configs))
         else:
             jobs += _jobs(name, full, count, only, experiments, seed, configs)

@@ -2,9 +2,9 @@
 
 import contextlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, get_type_hints
 
 from annotated_types import Interval, Unit
 
@@ -127,6 +127,7 @@ def load_experiment(
         figures=head.figures,
         files=document.files,
         places=_places(root),
+        unitless=_unitless(reference_node, reference[1]),
     )
 
 
@@ -173,6 +174,22 @@ def _places(root: Node) -> dict[str, str]:
     """Return where each key stands; of the file's own keys those that messages call by name."""
     places = dict(places_of(root))
     return places | {f"experiment.{key}": places[key] for key in _OWN if key in places}
+
+
+def _unitless(node: Node | None, settings: object) -> tuple[str, ...]:
+    """Return a sentence for each quantity of a reference that is written without its unit."""
+    if node is None or not isinstance(node.value, dict) or not is_dataclass(settings):
+        return ()
+    found = []
+    hints = get_type_hints(type(settings), include_extras=True)
+    for key, given in node.value.items():
+        unit = next((m.unit for m in getattr(hints.get(key), "__metadata__", ())
+                     if isinstance(m, Unit)), "")  # fmt: skip
+        plain = isinstance(given.value, int | float) and not isinstance(given.value, bool)
+        if unit and plain and given.value:
+            number = f"{given.value:g}"
+            found.append(f"reference.{key}: {number} has no unit and is read as {number} {unit}")
+    return tuple(found)
 
 
 def _check_names(

@@ -326,6 +326,8 @@ class Experiment:
         Everything that was read for it; no part of its value.
     places : dict
         Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
+    unitless : tuple of str
+        A sentence for each quantity of the reference that has no unit; no part of its value.
     """
 
     name: str
@@ -338,3 +340,4 @@ class Experiment:
     figures: tuple[str, ...]
     files: tuple[Path, ...] = field(default=(), compare=False)
     places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
+    unitless: tuple[str, ...] = field(default=(), compare=False, repr=False)

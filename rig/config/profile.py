@@ -384,9 +384,12 @@ class _Reader(Sections):
                 self.problems.add(
                     place.mark,
                     f"no device or bus is called {shown(fault.device)}",
-                    nearest(fault.device, names),
+                    f"{nearest(fault.device, names)}; {_AS_LISTED}",
                 )
         return simulation
+
+
+_AS_LISTED = "`rig faults list RIG` says what to write here for each of its faults"
 
 
 def _parted(entry: Node) -> tuple[dict[str, Node], Node]:

@@ -146,8 +146,10 @@ def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Nod
     """
     for match in _UNREADABLE.finditer(source.text):
         char = match.group()
-        name = "a tab; use spaces" if char == "\t" else f"character U+{ord(char):04X}"
-        problems.add_broken(source.mark_at(match.start()), f"{name} has no place in this file")
+        name = "a tab" if char == "\t" else f"character U+{ord(char):04X}"
+        instead = "; use spaces" if char == "\t" else ""
+        said = f"{name} has no place in this file{instead}"
+        problems.add_broken(source.mark_at(match.start()), said)
         if char != "\t":
             raise problems.error()
     problems.raise_if_any()

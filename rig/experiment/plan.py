@@ -169,6 +169,9 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         _check_metrics(experiment, motion, profile, columns)
     except ConfigurationError as error:
         found.append(_of_experiment(error, experiment))
+        if experiment.unitless and not isinstance(error, SeveralErrors):
+            found[-1] = type(error)("\n".join([str(found[-1]), *experiment.unitless]))
+            found[-1].__cause__ = error
     if len(found) == 1:
         raise found[0]
     SeveralErrors.raise_if_any([text for error in found for text in SeveralErrors.told_by(error)])

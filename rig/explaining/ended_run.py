@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,11 @@ from rig.explaining.faults import FaultTopic, topic_of
 from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
 
 _DIAGNOSIS = "diagnosis"
+_SEEN = ("oscillation",)
+"""Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
+_RECENT = 60.0
+"""A run that ended less long ago (s) is the one that whoever asks means."""
+_UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"))
 _PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
 
 
@@ -39,7 +45,7 @@ def explain_run(folder: Path) -> list[Remark]:
     manifest = read_manifest(folder)
     status, code = manifest["status"], manifest.get("exit_code")
     ended = status if code is None else f"{status}, exit code {code}"
-    said = [Remark("run", f"{folder.name}: {ended}")]
+    said = [Remark("run", f"{folder.name}: {ended}{_age(manifest.get('ended'))}")]
     message = manifest.get("message")
     if message:
         said.append(Remark("message", message))
@@ -55,7 +61,9 @@ def explain_run(folder: Path) -> list[Remark]:
         return [*said, Remark("means", "It went well; `rig report` draws it again.")]
     if status == RunStatus.ABORTED:
         return [*said, Remark("means", "Somebody stopped it, and the rig was made safe.")]
-    told = (*_diagnoses(folder), message or "")  # what looked longest knows best
+    told = [*_diagnoses(folder), message or ""]  # what looked longest knows best
+    if message and (topic := topic_of(message)) is not None and topic.name in _SEEN:
+        told.reverse()
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
         known = EXIT_CODES.get(str(code), "")
@@ -63,6 +71,18 @@ def explain_run(folder: Path) -> list[Remark]:
         return [*said, Remark("means", means.strip())]
     names = {"RIG": manifest.get("rig"), "EXPERIMENT": manifest.get("experiment")}
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
+
+
+def _age(ended: str | None) -> str:
+    """Return how long ago a run ended, if that is so long that another one may be meant."""
+    try:
+        ago = (datetime.now(UTC) - datetime.fromisoformat(ended or "")).total_seconds()
+    except (ValueError, TypeError):  # nobody noted it, or without its zone
+        return ""
+    if ago < _RECENT:
+        return ""
+    size, unit = next((size, unit) for size, unit in _UNITS if ago >= size)
+    return f", {ago / size:.0f} {unit} ago"
 
 
 def _diagnoses(folder: Path) -> list[str]:

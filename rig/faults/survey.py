@@ -10,8 +10,9 @@ from rig.assembly import REGISTRY, Backend, Rig
 from rig.calibration.catalogue import procedures
 from rig.calibration.recording import RigLacks
 from rig.config import Profile, find_configs, find_file, list_files, load_profile
-from rig.config.document import plain_under
+from rig.config.document import name_under, plain_under
 from rig.config.experiment import rig_of
+from rig.config.names import is_path
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -54,6 +55,14 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     """
     search = find_configs(configs)
     find_file(rig, "rigs", search)  # an unknown rig is not one without experiments
+    if is_path(rig):  # as another one that extends it or a base of it would be run
+        base = name_under("extends", rig, "rigs", search)
+        return _running_on(rig if base is None else base, configs, rig)
+    return _running_on(rig, configs, rig)
+
+
+def _running_on(rig: str, configs: Path | None, asked: str) -> tuple[str, ...]:
+    search = find_configs(configs)
     # Their files are read and no more: of what other rigs name nothing runs.
     rigs = {name: rig_of(name, search) for name in list_files("experiments", search)}
     found = tuple(name for name, own in rigs.items() if own == rig)
@@ -67,7 +76,9 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
         alike = {own for own in named if world_of(own) == world_of(rig)}
         found = tuple(name for name, own in rigs.items() if own in alike)
     if not found:
-        raise ConfigurationError(f"no experiment runs on {rig}: nothing to break it in")
+        raise ConfigurationError(
+            f"no experiment runs on {asked}: nothing to break it in; say one with --experiment NAME"
+        )
     return found
 
 

@@ -51,6 +51,18 @@ def inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
     stage.world.inject(place.target, name, value)
 
 
+def in_simulation(kind: FaultKind, place: Place) -> str | None:
+    """Return what a profile's ``simulation.faults`` calls a fault; None: they have none like it."""
+    apply = kind.apply
+    if not (isinstance(apply, partial) and apply.func is inject):
+        return None
+    name = f"{place.axis}.{apply.args[0]}" if place.axis else apply.args[0]
+    value = "" if place.number is None else f", value: {place.number:g}"
+    if place.number is None and (kind.magnitude or kind.lasts) is not None:
+        value = ", value: …"
+    return f"{{device: {place.target}, fault: {name}{value}}}"
+
+
 def _channels(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
     """Return a place for each channel of whatever takes a channel's number."""
     return [

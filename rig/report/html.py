@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rig.config import format_against
 from rig.experiment.metrics import Evaluation, known_measures
+from rig.explaining.ended_run import explain_run
 from rig.report import markup
 from rig.report.beside_figure import BESIDE, CAPTION
 from rig.report.data import mechanism_of, origin_of
@@ -79,6 +80,7 @@ def write_html(
     page = markup.page(
         title,
         _header(folder, title),
+        _stopped(folder),
         _metrics(folder.metrics(), _meanings(folder), problems),
         _figures(figures, failures, mechanism_of(folder)),
         _timing(folder),
@@ -116,6 +118,17 @@ def _header(folder: RunFolder, title: str) -> Html:
     return element(
         "header", element("h1", title, " ", badge), element("p", message), element("dl", *entries)
     )
+
+
+def _stopped(folder: RunFolder) -> Html:
+    """Return why a run was stopped by a fault, and what finds and mends it."""
+    if folder.status not in (RunStatus.FAULTED, RunStatus.CRASHED):
+        return NOTHING
+    told = [remark for remark in explain_run(folder.path) if remark.label not in ("run", "message")]
+    entries = [element("div", element("dt", label), element("dd", text)) for label, text in told]
+    command = f"rig explain {folder.path.name}"
+    said = element("p", "The same in a terminal: ", element("code", command), ".")
+    return section("Why it stopped", element("dl", *entries), said)
 
 
 def _meanings(folder: RunFolder) -> Mapping[str, str]:

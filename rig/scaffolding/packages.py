@@ -87,7 +87,7 @@ controller: {1}
 reference: {{kind: sine, amplitude: 5 mm, tones: [{{frequency: 0.25 Hz, periods: 2}}]}}
 metrics:
   tracking_rms: {{max: 3 mm}}
-figures: [tracking, error, pressures]
+figures: [tracking, error, pressures{2}]
 """
 _TURNS: Final = """\
 description: There and back, as a first run of {0}
@@ -150,7 +150,7 @@ def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
     made[Path("configs", "rigs", f"{name}-rig.yaml")] = _PROFILE[kind].format(name)
     _, law, text = _FIRST[kind]
     made[Path("configs", "experiments", f"{first_experiment(kind, name)}.yaml")] = text.format(
-        name, law.format(name)
+        name, law.format(name), f", device.{spelling.module}_value" if kind == "driver" else ""
     )
     if kind != "driver":
         made[Path("tests", "conftest.py")] = (

@@ -60,8 +60,8 @@ def test_a_pair_that_moves_against_its_pull_is_named(names, what, way):
     with pytest.raises(SafetyError) as caught:
         bench.step(way, 1.001 * against)
     assert str(caught.value) == (
-        f"{names} are swapped, or the tubes of {tubes}: the rods move against their pull, or "
-        f"are pushed [work -3.9 mJ over 0.98 mm, at least -3.9 mJ]"
+        f"{names} are swapped, or the tubes of {tubes}, or one of these tubes is off: the rods "
+        f"move against their pull, or are pushed [work -3.9 mJ over 0.98 mm, at least -3.9 mJ]"
     )
 
 

@@ -101,5 +101,5 @@ class WorkWatch:
         one, other = sorted(pair)
         return (
             f"{self._encoders[one]} and {self._encoders[other]} are swapped, or the tubes of "
-            f"{self._channels[one]} and {self._channels[other]}"
+            f"{self._channels[one]} and {self._channels[other]}, or one of these tubes is off"
         )
