@@ -297,7 +297,7 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         ("reference", experiment["reference"]),
         ("approach", format_quantity(experiment["approach"], "s")),
         ("duration", format_quantity(experiment["duration"], "s")),
-        *((f"peak {peak['what']}", _peak(peak)) for peak in experiment["peaks"]),
+        *(_peak_row(**peak) for peak in experiment["peaks"]),
     ]
     segments = [
         (s["name"], format_quantity(s["start"], "s"), format_quantity(s["end"], "s"))
@@ -317,12 +317,12 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
     ]
 
 
-def _peak(peak: dict[str, Any]) -> str:
-    limit = (
-        "" if peak["limit"] is None else f"; limit {format_quantity(peak['limit'], peak['unit'])}"
-    )
-    at = format_quantity(peak["at"], "s")
-    return f"{format_quantity(peak['value'], peak['unit'])} at {at}{limit}"
+def _peak_row(
+    what: str, value: float, unit: str, at: float, limit: float | None
+) -> tuple[str, str]:
+    told = f"{format_quantity(value, unit)} at {format_quantity(at, 's')}"
+    beside = "" if limit is None else f"; limit {format_quantity(limit, unit)}"
+    return f"peak {what}", told + beside
 
 
 def _bound(metric: dict[str, Any]) -> str:
