@@ -248,9 +248,10 @@ def make_dwell(
         return RampDwell(integral, duration, switch)
     dwell = QuinticDwell(integral, duration, switch)
     if dwell.middle <= 0.0:
+        longest = longest_quintic(integral, switch)
         raise InfeasibleMotion(
             f"a dwell of {duration:g} s would stop and reverse the arm in the region: b reaches "
             f"{dwell.middle:.4g}; at this speed and depth a quintic dwells at most "
-            f"{longest_quintic(integral, switch):.4f} s. Enter more slowly or use a ramp."
+            f"{longest:.{4 if longest > 0.01 else 9}f} s. Enter more slowly or use a ramp."
         )
     return dwell

@@ -175,8 +175,8 @@ class ArmLaw(
                 if refused.is_guess:
                     break
                 return self._too_slow(slower.words, error.duration)
-            except InfeasibleMotion:
-                break
+            except InfeasibleMotion as error:
+                return f"{slower.words} it would be refused, too: {str(error).rstrip('.')}"
             else:
                 return f"{slower.words} it would fit"
         return "no speed was found at which it would fit"

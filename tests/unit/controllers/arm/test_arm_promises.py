@@ -246,3 +246,17 @@ def test_a_hand_off_its_path_is_refused_with_the_rate_at_which_it_is_not():
     named = float(re.search(r"at a rate of (\S+) rad/s round the circle it would fit", message)[1])
     slower = dataclasses.replace(path, rate=named)
     assert faults_of(FREE, slower, plan(slower, "paper"), (2,), ()) == []
+
+
+def test_a_slower_dwell_that_is_refused_for_another_reason_says_that_reason():
+    narrow = dataclasses.replace(FREE, position_max=(20.0, 20.0, 20.0, 20.0, 0.7, 20.0))
+    path = DwellLine(depth=1e-3)
+    law = Esc(EscSettings(), narrow, PERIOD)
+    slow = dataclasses.replace(path, speed=0.01, dwell=24.0)
+    with pytest.raises(InfeasibleMotion, match=r"^after \S+ s q5 would be at"):
+        law.prepare(slow)
+    said = (
+        r"q3 would need .*; at \S+ m/s with a dwell of \S+ s it would be refused, too: .* q5 would"
+    )
+    with pytest.raises(InfeasibleMotion, match=said):
+        law.prepare(path)
