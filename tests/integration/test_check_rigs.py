@@ -121,3 +121,21 @@ def test_a_cell_at_a_cylinder_shows_the_force_in_its_wire():
         force = plant.truth()[names.index(f"tension_{name}")]
         assert plant.channel_value(channel) == pytest.approx(force, abs=1.0)
         assert force > 10.0
+
+
+def test_an_arms_branch_and_singularities_are_told_with_the_reason(capsys):
+    path = ("check", "arm-path", "--configs", str(CONFIGS))
+    assert invoke([*path]) == 0
+    out = capsys.readouterr().out
+    assert "on the branch reaching ahead, elbow +, wrist -" in out
+    assert "through: the tool is in line with the forearm and q5 changes its sign" in out
+    # A range that the branch of `near` does not keep: the elbow has to bend the other way.
+    low = "arm.geometry.position_min=[-6.2, -6.2, -2.8, -6.2, -2.5, -6.2]"
+    high = "arm.geometry.position_max=[6.2, 6.2, 0, 6.2, 2.5, 6.2]"
+    assert invoke([*path, "--set", low, "--set", high, "--json"]) == 0
+    remarks = json.loads(capsys.readouterr().out)["experiment"]["remarks"]
+    told = {remark["kind"]: remark["message"] for remark in remarks}
+    assert "elbow -" in told["begins"]
+    assert re.search(
+        r"elbow -.*: begun as near .* q3 would be at 1\.\d+ rad, outside its range", told["chosen"]
+    )
