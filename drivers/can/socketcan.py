@@ -162,7 +162,7 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
             channel,
             f"this kernel has no SocketCAN ({error.strerror}); load it with: "
             "sudo modprobe can_raw, or, where that cannot be (containers), simulate with "
-            "--on udp_multicast:239.74.163.2",
+            "--on udp_multicast:239.74.163.2 (pip install 'python-can[multicast]')",
         ) from error
     try:
         sock.bind((channel,))

@@ -1,6 +1,7 @@
 """`rig reset`: what clears a latched fault, and what does not."""
 
 import contextlib
+import json
 import random
 from types import SimpleNamespace
 
@@ -82,7 +83,8 @@ def bench(monkeypatch):
             ),
         )
         result = CliRunner().invoke(reset, ["lab-rig", *words], standalone_mode=False)
-        assert result.stdout == ""  # it is all talk
+        if "--json" not in words:
+            assert result.stdout == ""  # it is all talk
         return result, latch, built
 
     return run
@@ -115,6 +117,30 @@ def test_a_stop_that_is_pressed_and_released_resets(bench, seed):
     )
     ((_, backend, on),) = built
     assert (backend, on) == (Backend.HARDWARE, None)
+
+
+@pytest.mark.parametrize(
+    ("contact", "words", "reason", "code"),
+    [
+        ((None, None), (), None, 0),
+        ((0.5, 1.0), (), "it fell", 0),
+        ((None, False), ("--wait", "1"), "it fell", 3),
+        (None, ("--yes", "the lab-rig"), "it fell", 0),
+        (None, ("--yes", "another"), "it fell", 2),
+    ],
+    ids=["no fault", "pressed", "not pressed", "named", "another rig"],
+)
+def test_what_came_of_it_is_printed_as_json(bench, contact, words, reason, code):
+    made = FakeRig(has_contact=False) if contact is None else FakeRig(*contact)
+    result, latch, _ = bench(made, *words, "--json", reason=reason)
+    assert result.return_value == code
+    assert json.loads(result.stdout) == {
+        "rig": "the lab-rig",
+        "was_latched": reason,
+        "is_latched": code != 0,
+    }
+    assert latch.cleared == (reason is not None and code == 0)
+    assert result.stderr  # words are on stderr all the same
 
 
 @pytest.mark.parametrize(
