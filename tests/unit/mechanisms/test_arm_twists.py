@@ -61,6 +61,29 @@ def test_silence_stops_the_hand_within_its_time_and_says_so():
     assert "the hand comes to rest" in notes[0][1].message
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_hand_that_falls_silent_is_at_rest_as_soon_as_its_joints_can_brake(seed):
+    """At a drawn moment of drawn twists: the silence, two cycles, and the slowest joint's time."""
+    rng = np.random.default_rng((72, seed))
+    moment, twist = rng.uniform(0.1, 2.0), rng.normal(size=6) * rng.uniform(0.1, 1.0)
+    turned = rng.uniform(0.0, moment)
+    motion = heard(
+        lambda t: None if t > moment else tuple(twist if t < turned else -twist), duration=5.0
+    )
+    geometry, law = ArmGeometry(), Esc(EscSettings(), ArmGeometry(), PERIOD)
+    law.prepare_twists(motion._twists)
+    here, moving = motion._at_rest, 0.0
+    for k in range(1, round((moment + 0.6) / PERIOD)):
+        t = k * PERIOD
+        motion.see(t, None, here)
+        command = law.update(None, motion.at(t))
+        here = here._replace(positions=command.positions)
+        moving = t if any(command.velocities) else moving
+    pairs = zip(geometry.rate_limits, geometry.acceleration_limits, strict=True)
+    brake = max(rate / hardest for rate, hardest in pairs)
+    assert moment - PERIOD < moving < moment + 0.06 + brake + 3 * PERIOD
+
+
 def test_after_silence_the_hand_waits_for_a_twist_of_zero():
     def say(t):
         if 0.2 < t < 0.4:
