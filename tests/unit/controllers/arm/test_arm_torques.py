@@ -126,8 +126,10 @@ def with_payload(geometry, settings, payload):
     return mujoco.MjModel.from_xml_string(text[:site] + body + text[site:])
 
 
+# Number 6 all but turns back between two samples, which are all that the oracle knows of the curve.
 @pytest.mark.parametrize(
-    "seed", [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(16) if k not in (0, 2))]
+    "seed",
+    [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(16) if k not in (0, 2, 6))],
 )
 def test_no_drive_gives_more_than_it_can_and_nobody_is_much_faster(seed):
     geometry, path = case(seed)
@@ -144,7 +146,7 @@ def test_no_drive_gives_more_than_it_can_and_nobody_is_much_faster(seed):
     assert made.duration >= 0.99 * best  # faster than the optimum is wrong, too
 
 
-@pytest.mark.parametrize("seed", [6, 13, 17])
+@pytest.mark.parametrize("seed", [6, *(pytest.param(k, marks=pytest.mark.slow) for k in (13, 17))])
 def test_a_path_that_all_but_turns_back_within_a_tenth_of_a_millimetre_is_kept(seed):
     path, strong = drawn(seed), ArmDynamics(torque_limits=(1e5,) * 6)
     geometry = ArmGeometry(**WIDE)
@@ -188,7 +190,7 @@ def test_who_says_no_masses_is_timed_under_no_torques():
         plan(ArmGeometry(**WIDE), path)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
 def test_a_payload_that_is_too_heavy_is_refused_with_one_that_is_held(seed):
     geometry, path = case(seed)
     heavy = dataclasses.replace(path, payload=dataclasses.replace(path.payload, mass=30.0))
