@@ -28,7 +28,7 @@ def figure_of(experiment: str, name: str, folder: str) -> "image.AxesImage":
 
 
 with tempfile.TemporaryDirectory() as folder:
-    joint = figure_of("joint-circle", "marker-track", folder)[:, :660]
+    joint = figure_of("joint-ideal-circle", "marker-track", folder)[:, :660]
     arm = figure_of("arm-elbow-turnback", "arm", folder)[LEFT_HALF]
     legs = figure_of("legs-walk", "strip", folder)
 

@@ -90,6 +90,7 @@ _WHOLE: Final[dict[str, Unit]] = {
     "rev": _unit(_TURN, rad=1),
     "rpm": _unit(_TURN / 60, rad=1, s=-1),
     "count": _unit(1, count=1),
+    "px": _unit(1, count=1),
     "psi": _unit("6894.757293168361", kg=1, m=-1, s=-2),
     "atm": _unit(101_325, kg=1, m=-1, s=-2),
     "NL": _unit("0.001", m=3),  # a litre of air at 1 atm and 20 °C: flows are told so

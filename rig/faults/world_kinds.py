@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from rig.faults.excuses import (
+    FELT_LEAK,
     ON_A_WIRE,
-    TUBE,
     empties_at_once,
     falls,
     fills_alone,
@@ -214,7 +214,7 @@ PNEUMATIC = (
                why="at a pressure near that which is wanted nothing is amiss; above 50 kPa it "
                "pulls alone when all others are vented, with 9 N and more, until the stop bears it",
                excuses=pulls_alone),
-    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(2.5),
+    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(3.0),
                UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
     of_device("regulator_offset", "A regulator gives another pressure than it is told.",
@@ -229,9 +229,9 @@ PNEUMATIC = (
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    of_device("leak", "The tube of a chamber is off.", is_felt(TUBE), UNTIL_MOVED,
+    of_device("leak", "The tube of a chamber is off.", is_felt(FELT_LEAK), UNTIL_MOVED,
                magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
-               why="less than 1.5e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
+               why="less than 2e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
                "stay where they do when nothing leaks; a wider one empties the chamber before "
                "its opponents can be; a monitor at the other end of the tube shows nothing of it, "
                "and while nothing moves, nobody can tell", excuses=empties_at_once),
@@ -240,8 +240,8 @@ PNEUMATIC = (
     of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
               why="a shut chamber is a spring, and holds where it is", forgives=ALONE),
     of_plant("wire_cut", "A wire breaks.", safe, 0.1, forgives=ON_A_WIRE),
-    of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
-              forgives=ON_A_WIRE),
+    of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.5, ("wire",),
+              forgives=ON_A_WIRE),  # a chamber that fills takes 0.4 s to pull 10 mm in
     of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
               forgives=ON_A_WIRE),
     row_of("supply_lost", "The supply falls to another pressure.",

@@ -33,7 +33,7 @@ BEFORE = 20
 """Cycles that the other side has to settle in before its costs count."""
 PLANS = {
     "cylinder": ("cylinder-step", "cylinder", ()),
-    "joint": ("joint-circle", "joint", ("reference.tones=[{frequency: 0.5 Hz, laps: 2}]",)),
+    "joint": ("joint-ideal-circle", "joint", ("reference.tones=[{frequency: 0.5 Hz, laps: 2}]",)),
     "arm": ("arm-shoulder-circle", "arm", ()),
     "arm on ODrives": ("arm-shoulder-circle", "arm-odrive", ()),
     "legs": ("legs-squat", "legs", ()),

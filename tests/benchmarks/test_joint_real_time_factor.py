@@ -23,7 +23,7 @@ pytestmark = pytest.mark.benchmark
 def test_joint_real_time_factor(tmp_path, table, backend):
     factors = []
     for number in range(ROUNDS + 1):
-        plan = load_plan("joint-circle", OPTIONS, configs=CONFIGS)
+        plan = load_plan("joint-ideal-circle", OPTIONS, configs=CONFIGS)
         assert plan.profile.devices["camera"].settings.frame_rate == 60.0
         began = time.process_time()
         result = run_experiment(plan, backend, tmp_path / str(number), report=False)

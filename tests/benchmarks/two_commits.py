@@ -33,7 +33,7 @@ COMMANDS = (
     "run cylinder-step --on sim --no-report --out OUT",
     "run cylinder-step --on sim --out OUT",
     "run cylinder-sine --on virtual --no-report --out OUT",
-    "run joint-circle --on sim --no-report --out OUT",
+    "run joint-ideal-circle --on sim --no-report --out OUT",
     "run arm-wrist-hit --on virtual --no-report --out OUT",
     "run legs-walk --on virtual --no-report --out OUT",
 )

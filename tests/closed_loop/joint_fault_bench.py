@@ -45,14 +45,14 @@ def options(faults, more=()):
 @cache
 def start_of(backend):
     """Return the rig's time when the loop begins, s: connecting takes some of it."""
-    rig = build_rig(load_plan("joint-circle", options(()), configs=CONFIGS).profile, backend)
+    rig = build_rig(load_plan("joint-ideal-circle", options(()), configs=CONFIGS).profile, backend)
     with rig:
         rig.arm()
         return rig.clock.now()
 
 
 def run(folder, backend, faults, more=()):
-    plan = load_plan("joint-circle", options(faults, more), configs=CONFIGS)
+    plan = load_plan("joint-ideal-circle", options(faults, more), configs=CONFIGS)
     result = run_experiment(plan, backend, folder, report=False)
     opened = RunFolder.open(result.path)
     log = read_log(opened.log_path) if opened.log_path.exists() else None

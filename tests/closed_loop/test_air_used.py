@@ -34,7 +34,7 @@ def unwatched(mechanism):
 
 
 REAL = ("plant={model: antagonistic-pair, seals: standard}", *unwatched("cylinder"))
-REAL_JOINT = ("plant={model: spherical-joint-real, seals: standard}", *unwatched("joint"))
+REAL_JOINT = ("plant={model: spherical-joint, seals: standard}", *unwatched("joint"))
 QUIET_PAIR = ("controller=pid", f"controllers.pid={QUIET}")
 QUIET_JOINT = ("controller=pid", f"controllers.pid.pair={QUIET}")
 
@@ -129,4 +129,4 @@ def test_a_pair_of_other_cylinders_says_what_air_it_takes(tmp_path, fed):
     ids=("dither", "real, quiet", "real, chattering"),
 )  # fmt: skip
 def test_a_joint_says_what_air_it_takes(tmp_path, fed, what, least, most):
-    assert least < told_over_true(tmp_path, fed, "joint-circle", (*CIRCLE, *what)) < most
+    assert least < told_over_true(tmp_path, fed, "joint-ideal-circle", (*CIRCLE, *what)) < most

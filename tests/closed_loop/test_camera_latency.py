@@ -25,7 +25,7 @@ def told(folder, experiment, seed, late):
     options = ["metrics={}", "figures=[]", "controllers.cascade.dither.amplitude=0"]
     options.append(OFF.format(latency=CALIBRATED + late))
     options.append(f"simulation.seed={rng.integers(1000)}")
-    if experiment == "joint-circle":
+    if experiment == "joint-ideal-circle":
         tone = rng.uniform(0.15, 0.6)
         options.append(f"reference.tones=[{{frequency: {tone} Hz, laps: 2}}]")
         options.append(f"reference.tilt={rng.uniform(15.0, 30.0)} deg")
@@ -53,11 +53,11 @@ def assert_told(folder, experiment, seed, late):
 def test_a_drawn_latency_is_told_if_it_is_wrong(tmp_path, seed):
     rng = np.random.default_rng([41, seed])
     late = rng.uniform(6.0, 20.0) * rng.choice([-1.0, 1.0]) if seed else rng.uniform(-1.0, 1.0)
-    assert_told(tmp_path, "joint-circle", seed, late)
+    assert_told(tmp_path, "joint-ideal-circle", seed, late)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("experiment", ["joint-circle", "joint-poses", "joint-range"])
+@pytest.mark.parametrize("experiment", ["joint-ideal-circle", "joint-poses", "joint-range"])
 @pytest.mark.parametrize("seed", range(2, 8))
 def test_drawn_latencies_are_told_on_other_motions(tmp_path, experiment, seed):
     rng = np.random.default_rng([41, seed])

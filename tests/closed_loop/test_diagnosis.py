@@ -60,7 +60,7 @@ BENCHES = {
     ),
     "joint": Bench(
         "joint",
-        "joint-circle",
+        "joint-ideal-circle",
         (*CIRCLE, "controllers.cascade.dither.amplitude=0"),
         FOUR,
         (3.5, 6.0),
@@ -68,8 +68,8 @@ BENCHES = {
     ),
     "real joint": Bench(
         "joint",
-        "joint-circle",
-        (*CIRCLE, *real("joint", "spherical-joint-real", "controllers.pid.pair")),
+        "joint-ideal-circle",
+        (*CIRCLE, *real("joint", "spherical-joint", "controllers.pid.pair")),
         FOUR,
         (3.5, 6.0),
         5e-3,
@@ -169,7 +169,7 @@ def test_softer_wires_are_found_with_their_stiffness(tmp_path):
     rng = np.random.default_rng(210)
     stiffness = rng.uniform(25e3, 42e3)
     options = ["metrics={}", "figures=[]", f"plant.wire.stiffness={stiffness}"]
-    plan = load_plan("joint-circle", options, configs=CONFIGS)
+    plan = load_plan("joint-ideal-circle", options, configs=CONFIGS)
     result = run_experiment(plan, Backend.SIM, tmp_path, report=False)
     assert result.exit_code == 4
     (event,) = [e for e in RunFolder.open(result.path).events() if e["kind"] == "diagnosis"]

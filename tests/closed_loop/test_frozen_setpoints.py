@@ -62,7 +62,7 @@ def test_bound_holds_on_the_plant_and_more_does_not():
     assert not every
 
 
-@pytest.mark.parametrize("experiment", ["cylinder-ideal-sine", "joint-circle"])
+@pytest.mark.parametrize("experiment", ["cylinder-ideal-sine", "joint-ideal-circle"])
 def test_plant_goes_the_same_way_again_from_a_snapshot(experiment):
     plant = make_plant(plan_of(experiment).profile)
     plant.set_supply(True)
@@ -108,7 +108,7 @@ def test_servos_bear_the_time_that_their_range_leaves_them():
     ("rig", "experiment", "device", "after"),
     [
         ("cylinder", "cylinder-ideal-sine", "regulators", 0.03),
-        ("joint", "joint-circle", "regulators", 0.005),
+        ("joint", "joint-ideal-circle", "regulators", 0.005),
         ("arm", "arm-wrist-hit", "drives", 0.15),
         ("arm-odrive", "arm-wrist-hit", "drives", 0.05),
         ("legs", "legs-squat", "servos", 0.06),

@@ -45,7 +45,7 @@ LAWS = {
 }
 RIGS = {
     name: load_profile(name, REGISTRY, (), find_configs())
-    for name in ("joint", "joint-fine", "joint-fine-fast", "joint-low-speed")
+    for name in ("joint-ideal", "joint-fine", "joint-fine-fast", "joint-low-speed")
 }
 
 LAST_OF_FOUR_LAPS = slice(-5000, None)
@@ -196,7 +196,7 @@ def run(rig, motion, *, seed=0, camera=False, friction=1.0, kind="cascade", **ch
 
 
 def test_joint_circle_with_standard_seals():
-    found = run("joint", circle(0.1, laps=0.4), seed=1)
+    found = run("joint-ideal", circle(0.1, laps=0.4), seed=1)
     assert found.wire <= 0.11e-3
     assert found.marker() <= 0.35e-3
     assert found.keeps_tensions()
@@ -206,7 +206,7 @@ def test_joint_circle_with_standard_seals():
 @seeds
 @pytest.mark.parametrize("frequency", [0.1, 0.2, 0.5])
 def test_joint_circle_with_standard_seals_of_any_unit(frequency, seed):
-    found = run("joint", circle(frequency, laps=1 if frequency < 0.3 else 2), seed=seed)
+    found = run("joint-ideal", circle(frequency, laps=1 if frequency < 0.3 else 2), seed=seed)
     assert found.wire <= 0.11e-3
     assert found.marker() <= 0.35e-3
     assert found.keeps_tensions()
@@ -290,7 +290,7 @@ def test_fused_estimate_is_nearer_to_the_marker_than_the_encoders():
     assert found.fused < 0.8 * alone.fused
 
 
-@pytest.mark.parametrize(("rig", "bound"), [("joint", 30e-6), ("joint-low-speed", 5e-6)])
+@pytest.mark.parametrize(("rig", "bound"), [("joint-ideal", 30e-6), ("joint-low-speed", 5e-6)])
 def test_joint_holds_a_pose(rig, bound):
     found = run(rig, pose(20.0, 60.0), seed=1)
     assert np.sqrt(np.mean(np.square(found.pair_errors), axis=1)).max() <= bound
@@ -299,7 +299,7 @@ def test_joint_holds_a_pose(rig, bound):
 
 @pytest.mark.slow
 @seeds
-@pytest.mark.parametrize(("rig", "bound"), [("joint", 30e-6), ("joint-low-speed", 5e-6)])
+@pytest.mark.parametrize(("rig", "bound"), [("joint-ideal", 30e-6), ("joint-low-speed", 5e-6)])
 @pytest.mark.parametrize("to", [(20.0, 0.0), (10.0, 130.0), (30.0, 250.0)])
 def test_joint_of_any_unit_holds_any_pose(rig, bound, to, seed):
     found = run(rig, pose(*to), seed=seed)
@@ -314,7 +314,7 @@ def test_wide_circle_at_60_degrees_keeps_every_wire_taut():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rig", ["joint", "joint-low-speed"])
+@pytest.mark.parametrize("rig", ["joint-ideal", "joint-low-speed"])
 @pytest.mark.parametrize("tilt", [40.0, 60.0])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_wide_circle_of_any_unit_keeps_every_wire_taut(rig, tilt, seed):
@@ -325,6 +325,6 @@ def test_wide_circle_of_any_unit_keeps_every_wire_taut(rig, tilt, seed):
     ("kind", "wire"), [("pid", 0.3e-3), ("pid-friction", 0.2e-3), ("super-twisting", 0.25e-3)]
 )
 def test_other_laws_follow_the_circle(kind, wire):
-    found = run("joint", circle(0.2, laps=0.3), kind=kind)
+    found = run("joint-ideal", circle(0.2, laps=0.3), kind=kind)
     assert found.wire <= wire
     assert found.keeps_tensions()

@@ -16,7 +16,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 EXPERIMENTS = tuple(sorted(path.stem for path in CONFIGS.glob("experiments/joint-*.yaml")))
 SEEDS = (0, 1, 2)
 PROMISED = {
-    "joint-circle": {
+    "joint-ideal-circle": {
         "wire_rms": 0.11e-3,
         "wire_rms_0.1hz": 0.11e-3,
         "wire_rms_0.5hz": 0.11e-3,

@@ -23,7 +23,7 @@ from rig.mechanisms.joint.mechanism import SphericalJoint
 LAW = REGISTRY.load("controller", "joint/cascade")
 PAIR = "controllers.cascade.pair"
 STEADY = (
-    "plant.model=spherical-joint-real", "joint.base_pressure=80 kPa",
+    "plant.model=spherical-joint", "joint.base_pressure=80 kPa",
     "joint.limits.following=30 mm", "controllers.cascade.dither.amplitude=0 kPa",
     "joint.regulator_response.dead_time=16 ms", "joint.regulator_response.monitor_time=5 ms",
     "plant.regulator.monitor_noise=0", "plant.encoder_noise=0 m",

@@ -11,7 +11,7 @@ from rig.experiment.run import run_experiment
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 EXPERIMENTS = (
-    "joint-circle",
+    "joint-ideal-circle",
     "joint-circle-low-speed",
     "joint-poses",
     "joint-poses-low-speed",

@@ -15,6 +15,8 @@ RELEASED = {"": 2e-3, "-low-speed": 0.5e-3}
 """By so much a pair moves while it is released, m: two regulators that are late do not vent alike,
 and standard seals hold 75 kPa and then slip."""
 STEEPEST = np.radians(60.0)
+ROUND = np.radians(24.0)
+"""Of a circle at 20 degrees whose seals stick and slip: the marker, 52 mm out, strays by 3 mm."""
 SINE = ("reference.amplitude=10 mm", "reference.tones=[{frequency: 1 Hz, periods: 3}]")
 CIRCLE = ("reference.tones=[{frequency: 0.5 Hz, laps: 1}]",)
 
@@ -64,7 +66,7 @@ def test_joint_stays_on_its_circle_wherever_it_is_stopped(kind, seed, at):
     tilt = np.arccos(np.clip(run.column("axis_z"), -1.0, 1.0))
     assert tilt.max() < STEEPEST
     last = np.arccos(np.clip(run.during_stop("axis_z"), -1.0, 1.0))
-    assert last.max() < np.radians(21.0)
+    assert last.max() < ROUND
     assert np.ptp(np.arccos(np.clip(run.released("axis_z"), -1.0, 1.0))) < np.radians(0.5)
     for channel in (1, 2, 3, 4):
         assert run.column(f"pressure_ch{channel}")[-1] < 5e3

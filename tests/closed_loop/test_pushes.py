@@ -12,13 +12,13 @@ from rig.runtime.log import read_log
 
 PLACES = {
     "cylinder-ideal-sine": ("along.carriage_push",),
-    "joint-circle": ("forward.ring_push", "left.ring_push"),
+    "joint-ideal-circle": ("forward.ring_push", "left.ring_push"),
 }
-LAPS = {"cylinder-ideal-sine": "periods", "joint-circle": "laps"}
+LAPS = {"cylinder-ideal-sine": "periods", "joint-ideal-circle": "laps"}
 HARMLESS = 0.5
 """N s: what the table of faults says must be ridden through."""
-LIGHT = {"cylinder-ideal-sine": ("position", 3e-3), "joint-circle": ("axis", 0.02)}
-"""By so much a light push may move it: the pair's following error that is a fault, m; a degree."""
+LIGHT = {"cylinder-ideal-sine": ("position", 3e-3), "joint-ideal-circle": ("axis", 0.025)}
+"""By so much a light push may move it: the following error that is a fault, m; 1.4 degrees."""
 
 
 def run_pushed(folder, experiment, seed, low, high, backend):

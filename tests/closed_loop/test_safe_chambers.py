@@ -22,7 +22,7 @@ class Bench:
     """The joint, without camera and loop: its regulators follow setpoints until told otherwise."""
 
     def __init__(self, backend, options=SAFE):
-        plan = load_plan("joint-circle", [*options, "joint.camera=null"], configs=CONFIGS)
+        plan = load_plan("joint-ideal-circle", [*options, "joint.camera=null"], configs=CONFIGS)
         self.rig = build_rig(plan.profile, backend)
         del self.rig.devices["camera"]
         self.regulators = self.rig.devices["regulators"]
@@ -214,6 +214,6 @@ def test_safe_state_that_the_device_cannot_take_is_refused(options, words):
     from rig.config import ProfileError
 
     with pytest.raises(ProfileError) as caught:
-        load_plan("joint-circle", list(options), configs=CONFIGS)
+        load_plan("joint-ideal-circle", list(options), configs=CONFIGS)
     for word in words:
         assert word in str(caught.value)

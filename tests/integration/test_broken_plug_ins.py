@@ -72,7 +72,7 @@ CASES = {
     "motion without segments": (
         MECHANISM,
         "class Way:\n    waits, has_torque, facts, duration = False, True, {}, 1.0\n"
-        "    watches, foreseen, see = False, None, print\n"
+        "    watches, foreseen, see = False, None, print\n    real_time, remarks = False, ()\n"
         "    def at(self, t): ...\n    def attach(self, devices): ...\n"
         f"{BARE}    plan = classmethod(lambda cls, *_: Way())\nPARTS = crank(view='View')",
         ("motion", "the mechanism crank", "it has no segments"),

@@ -92,6 +92,14 @@ def test_what_a_rig_is_fed_and_felt_by_stands_in_no_procedures_way(
     assert list((configs / "calibration" / rig).glob("*.yaml"))
 
 
+def test_the_lens_is_found_from_views_of_a_board_and_written(tmp_path, capsys):
+    shutil.copytree(find_configs()[0] / "rigs", tmp_path / "configs" / "rigs")
+    where = ("--configs", str(tmp_path / "configs"), "--out", str(tmp_path / "runs"))
+    assert invoke(["calibrate", "joint", "lens", "--yes", "--on", "sim", *where]) == 0
+    assert "fx" in capsys.readouterr().out
+    assert (tmp_path / "configs" / "calibration" / "joint" / "camera.yaml").exists()
+
+
 def test_nobody_to_ask_is_told(configs, capsys):
     assert calibrate(configs, "response", "--on", "sim") == 2
     assert "say --yes" in capsys.readouterr().err
@@ -105,7 +113,7 @@ def test_nobody_to_ask_is_told(configs, capsys):
         ("joint", "geometry", "the ring leans by up to 41.83 deg, at up to "),  # 0.73 rad
         ("joint", "camera", "the ring leans by up to 34.38 deg, at up to "),  # 0.6 rad
         ("joint", "encoders", "the ring leans by up to 27 deg, at up to "),  # 0.45 of 60
-        ("joint", "friction", "the ring leans by up to 40.5 deg, at up to "),
+        ("joint", "friction", "the ring leans by up to 27 deg, at up to "),
         ("joint", "wires", "no rod is meant to move"),
         ("joint-locked", "leak", "the ring leans by up to 33.75 deg, at up to "),
         ("cylinder", "encoders", "the pair moves -12 mm … 12 mm, up to "),

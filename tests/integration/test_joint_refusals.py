@@ -16,7 +16,7 @@ LIMITS = "joint.limits"
 
 def plan(*options):
     return load_plan(
-        "joint-circle",
+        "joint-ideal-circle",
         ["reference.tones=[{frequency: 0.2 Hz, laps: 1}]", "metrics={}", *options],
         configs=CONFIGS,
     )
@@ -120,7 +120,7 @@ def test_marker_and_camera_must_mean_the_same_sphere():
 
 
 def test_refusal_is_told_in_the_terminal_with_exit_code_2(tmp_path, capsys):
-    arguments = ["joint-circle", "--configs", str(CONFIGS), "--out", str(tmp_path)]
+    arguments = ["joint-ideal-circle", "--configs", str(CONFIGS), "--out", str(tmp_path)]
     code = invoke(["run", *arguments, "--set", "reference.tilt=61 deg"])
     told = capsys.readouterr().err
     assert code == 2

@@ -20,9 +20,9 @@ def test_a_rig_is_no_experiment(capsys):
     assert "ours.yaml is a rig" in capsys.readouterr().err
 
 
-def test_a_rig_is_no_scenario(capsys):
-    assert invoke(["faults", "run", "ours.yaml"]) == 2
-    assert "ours.yaml is a rig" in capsys.readouterr().err
+def test_faults_are_tried_on_another_rig(capsys):
+    assert invoke(["faults", "run", "ours.yaml", "--only", "emergency_stop"]) == 0
+    assert "ours" in capsys.readouterr().out
 
 
 def test_an_experiment_is_checked_on_another_rig(capsys):

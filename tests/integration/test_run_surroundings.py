@@ -44,8 +44,12 @@ def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
     [
         ("cylinder-sine", [], ("limits.stop_energy is not declared", "with up to 0.357 J")),
         ("cylinder-sine", ["cylinder.limits.stop_energy=0.2 J"], ("limits.stop_energy is 0.2 J",)),
-        ("joint-circle", [], ("limits.stop_energy is not declared", "1.5 J", "496 kPa")),
-        ("joint-circle", ["joint.limits.stop_energy=1.4 J"], ("limits.stop_energy is 1.4 J",)),
+        ("joint-ideal-circle", [], ("limits.stop_energy is not declared", "1.5 J", "496 kPa")),
+        (
+            "joint-ideal-circle",
+            ["joint.limits.stop_energy=1.4 J"],
+            ("limits.stop_energy is 1.4 J",),
+        ),
     ],
 )
 def test_hardware_without_a_stop_that_bears_a_cut_wire_is_refused(

@@ -149,7 +149,7 @@ BROKEN = [
           "budget: 30", "budget: [30 min]", "dask: 3", "out: 3", "out: [x]",
           "set: x", "set: [x]", "vary: x=1", "vary: {controller: 3}", "vary: {controller: []}",
           "vary: {controller: {}}", "vary: [controller]", "rig: 3", "serial: true"]),
-        ("sweeps", "joint-real", "variations:\n",
+        ("sweeps", "joint", "variations:\n",
          ["variations:\n  worst: {plant.friction_scale: 2}\n",
           "variations:\n  nominal: {plant.friction_scale: 2}\n",
           "variations:\n  2 x: {plant.friction_scale: 2}\n", "variations:\n  nothing: {}\n",

@@ -69,7 +69,7 @@ def _pairs():
 def _joints():
     for law in ("pid", "pid-friction", "cascade", "super-twisting"):
         yield Recording(
-            f"joint-{law}", f"{law} turns the joint", "joint-circle", "sim",
+            f"joint-{law}", f"{law} turns the joint", "joint-ideal-circle", "sim",
             (*_SLOW, f"controller={law}"), (_STOP,),
         )  # fmt: skip
     yield Recording("joint-poses", "from pose to pose", "joint-poses", "virtual", _SLOW, (_STOP,))
@@ -106,7 +106,9 @@ def _joints():
         ("frozen", "an encoder says the same for ever",
          ((1.1, "break", "encoder-2", "frozen", None),), "faulted"),
     ):  # fmt: skip
-        yield Recording(f"joint-{name}", reason, "joint-circle", "virtual", _SLOW, events, status)
+        yield Recording(
+            f"joint-{name}", reason, "joint-ideal-circle", "virtual", _SLOW, events, status
+        )
 
 
 def _arms():

@@ -35,8 +35,8 @@ PARTS = MechanismParts(
             lends_kernel=True,
         )
         for name, settings in (
-            ("spherical-joint", "SphericalJointPlantSettings"),
-            ("spherical-joint-real", "RealJointSettings"),
+            ("spherical-joint-ideal", "SphericalJointPlantSettings"),
+            ("spherical-joint", "RealJointSettings"),
         )
     },
     measures=(

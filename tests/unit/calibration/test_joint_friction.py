@@ -30,7 +30,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 @pytest.fixture(scope="module")
 def profile():
-    return load_profile("joint", REGISTRY, (), find_configs())
+    return load_profile("joint-ideal", REGISTRY, (), find_configs())
 
 
 class Seen(NamedTuple):

@@ -185,9 +185,10 @@ def test_only_limits_that_rest_on_what_is_looked_for_are_wider(profile):
     wider, notes = pneumatics_of(profile).with_wider_limits(3e-3)
     usual, now = (p.mechanism_settings.limits for p in (profile, wider))
     is_pair = profile.mechanism == "cylinder"
-    names = ["mismatch", "following"] if is_pair else ["residual", "disagreement"]
+    names = ["mismatch", "following"] if is_pair else ["residual", "disagreement", "following"]
     told = [*(f"limits.{name}" for name in names), "alarms.pressure.slow"]
     if profile.mechanism == "joint":
+        told += ["alarms.oscillation.amplitude"]
         told += ["camera.max_absence", "camera.marker.area_tolerance"]
     assert [note.split()[0] for note in notes] == told
     (before, slow) = (p.mechanism_settings.alarms.pressure for p in (profile, wider))

@@ -26,7 +26,7 @@ from rig.report.style import paper_style
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 CIRCLE = (
-    "joint-circle",
+    "joint-ideal-circle",
     "reference.tones=[{frequency: 0.2 Hz, laps: 2}, {frequency: 0.5 Hz, laps: 2}]",
     "metrics={}",
 )

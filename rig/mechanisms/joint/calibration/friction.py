@@ -38,12 +38,12 @@ from rig.mechanisms.joint.calibration.stroke_fit import (
 )
 from rig.mechanisms.joint.calibration.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, TugScript
 
-SPEEDS: Final = (0.045, 0.06, 0.08) * 4
+SPEEDS: Final = (0.03, 0.045, 0.06) * 4
 _TURN: Final = 0.15
-_RAISED: Final = 1.6
+_RAISED: Final = 1.3
 """Base pressure of the second half of the strokes, over that of the first."""
 
-_SHARE: Final = 0.9
+_SHARE: Final = 0.6
 """Share of the permitted way that the strokes use; both pairs share it."""
 
 _MORE: Final = 1.6
@@ -76,7 +76,7 @@ class JointFrictionFit(Procedure[Recording]):
         base = pneumatics.gentle_pressure
         bases = ((0.0, base), (half, _RAISED * base))
         motion = pneumatics.along_line(strokes, controller, bases)
-        script = TugScript(settings, motion, controller, _base(pneumatics), base)
+        script = TugScript(settings, motion, controller, _base(pneumatics, profile), base)
         return pneumatics.scripted(settings, script, name, notes, 2.0, follows=True)
 
     def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
@@ -129,19 +129,29 @@ class JointFrictionFit(Procedure[Recording]):
 
 def _settings(profile: Profile) -> StrokesAndTugs:
     pneumatics, believed = JointPneumatics(profile), belief_of(profile)
-    settings = pneumatics.settings
-    expected = settings.friction.breakaway + believed.alone * believed.usual
-    # A wire that is let go in a tug stays taut.
-    taut = 2.0 * (settings.area * _base(pneumatics) - _TAUT * settings.limits.tension[0])
-    most = min(_MORE * expected, taut)
+    load = 2.0 * pneumatics.area * _base(pneumatics, profile)
+    expected = pneumatics.settings.friction.breakaway + believed.alone * load
+    most = min(_MORE * expected, load - 2.0 * _slack(pneumatics))
     return StrokesAndTugs(Strokes(pneumatics.reach(_SHARE), SPEEDS, _TURN), most=most)
 
 
-def _base(pneumatics: JointPneumatics) -> float:
-    """Return the base pressure of the tugs, Pa gauge: all that swings is permitted."""
-    limits = pneumatics.settings.limits
+def _slack(pneumatics: JointPneumatics) -> float:
+    """Return what a tug leaves in the wire that it lets go, N: it stays taut."""
+    return _TAUT * pneumatics.settings.limits.tension[0]
+
+
+def _base(pneumatics: JointPneumatics, profile: Profile) -> float:
+    """Return the base pressure of the tugs, Pa gauge: all that swings is permitted.
+
+    It is the usual one, or, since upright a ring does not fall, a higher one if a tug needs that:
+    a tug can be no greater than what it lets go of.
+    """
+    limits, believed = pneumatics.settings.limits, belief_of(profile)
     most = min(limits.pressure[1], limits.tension[1] / pneumatics.area) / (1.0 + DEPTH)
-    return min(pneumatics.base_pressure, most)
+    seals = _MORE * pneumatics.settings.friction.breakaway + 2.0 * _slack(pneumatics)
+    grows = 1.0 - _MORE * believed.alone  # so does what it has to overcome
+    needed = seals / (2.0 * pneumatics.area * grows) if grows > 0.0 else most
+    return min(max(pneumatics.base_pressure, needed), most)
 
 
 def _travel(strokes: Strokes) -> float:

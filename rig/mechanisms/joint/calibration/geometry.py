@@ -24,7 +24,7 @@ from rig.mechanisms.joint.calibration.camera_and_geometry import (
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS
 from rig.mechanisms.joint.calibration.rosette import UPRIGHT, Rosette
 
-ROSETTE: Final = Rosette(tilt=0.73, petals=12, period=1.6)
+ROSETTE: Final = Rosette(tilt=0.73, petals=12, period=3.2)
 
 _GAUGE: Final = "height gauge"
 

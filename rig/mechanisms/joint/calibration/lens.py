@@ -98,7 +98,7 @@ class Lens(Procedure[Views]):
         return (
             Finding(
                 device, {"intrinsics": {**written, **straight}}, estimates,
-                found.residuals.ravel(), "pixels", _BOUND, count,
+                found.residuals.ravel(), "px", _BOUND, count,
                 _panels(data, found.residuals, project(data, settings.intrinsics)),
                 notes=notes,
             ),

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -45,6 +45,13 @@ _DISAGREEMENT: Final = 60e-3
 
 At half a metre 2 degrees about every axis of the camera make 25 mm, and 2 % of all lengths as much
 again."""
+
+_FOLLOWING: Final = 0.3
+"""How far a rod may be off its reference, over the stroke: what is measured is where it is, not
+where it should be. On slow regulators a ring with standard seals sticks, then slips."""
+
+_SWING: Final = 0.1
+"""What counts as a swing about the reference, over the stroke."""
 
 _WITHIN: Final = 0.99
 """Share of the stroke, beyond which no disagreement is: a limit there is refused."""
@@ -140,26 +147,30 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
 
     def with_wider_limits(self, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
         """See `Pneumatics.with_wider_limits`; rods and camera agree only once calibrated."""
-        return self._with_wider({"residual": _RESIDUAL, "disagreement": self._apart()}, _ABSENCE)
+        return self._with_wider(_RESIDUAL, _ABSENCE)
 
     def with_limits_for_sightings(self) -> tuple[Profile, tuple[str, ...]]:
         """Return the profile with limits for a wrong camera and geometry, and notes on them."""
-        profile, notes = self._with_wider(
-            {"disagreement": self._apart(), "residual": _FEW_RESIDUAL}, _FEW_SIGHTINGS
-        )
+        profile, notes = self._with_wider(_FEW_RESIDUAL, _FEW_SIGHTINGS)
         # A wrong geometry turns the work of a pair round as swapped encoders do, by less.
         profile = profile_with(profile, {f"{profile.mechanism}.alarms.swapped.share": 1.0})
         return profile, (*notes, "alarms.swapped.share is 1")
 
-    def _apart(self) -> float:
-        """Return how far camera and rods may be apart before either is calibrated, m."""
-        return min(_DISAGREEMENT, _WITHIN * self.settings.stroke)
-
-    def _with_wider(
-        self, least: Mapping[str, float], absence: float
-    ) -> tuple[Profile, tuple[str, ...]]:
-        """Return the profile with wider limits, and a camera that may miss its marker (s)."""
+    def _with_wider(self, residual: float, absence: float) -> tuple[Profile, tuple[str, ...]]:
+        """Return the profile with wider limits: of the rods' residual, m, and a blind camera, s."""
+        stroke = self.settings.stroke
+        least = {
+            "residual": residual,
+            "disagreement": min(_DISAGREEMENT, _WITHIN * stroke),
+            "following": _FOLLOWING * stroke,
+        }
         profile, notes = self.with_unknown_response(*with_wider_limits(self.profile, least))
+        usual, swing = self.settings.alarms.oscillation.amplitude, _SWING * stroke
+        if swing > usual:
+            key = "alarms.oscillation.amplitude"
+            profile = profile_with(profile, {f"{profile.mechanism}.{key}": swing})
+            what = f"{key} is {1e3 * swing:g} mm instead of {1e3 * usual:g} mm"
+            notes = (*notes, f"{what}: a ring may stick and slip, it is only measured where it is")
         name = self.settings.camera
         if name is None:
             return profile, notes
