@@ -21,8 +21,6 @@ _HOLDS = 50e3
 """Pa gauge: what is in a chamber that pulls more than its seals hold."""
 TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
-FELT_LEAK = 2e-8
-"""m3/(s Pa): a rig whose chambers hold but 65 kPa feeds what is less; one with 200 kPa, `TUBE`."""
 _OVERPOWERING_WIRES = 2.0
 """N s, 20 N for a tenth of a second: as much as chambers can pull that have 110 kPa to give."""
 

@@ -117,6 +117,10 @@ class Plight(NamedTuple):
 Excuse = Callable[[Plight], frozenset[str]]
 
 
+_LOW_PRESSURE = 100e3
+"""Pa gauge: what leaves a chamber that holds less is fed sooner, and moves its rod later."""
+
+
 def no_excuse(plight: Plight) -> frozenset[str]:
     """Forgive nothing."""
     return frozenset()
@@ -187,3 +191,22 @@ def safe(sizes: Sizes, subject: Subject) -> Must:
 def either(sizes: Sizes, subject: Subject) -> Must:
     """Expect nothing but that no harm is done."""
     return Must.EITHER
+
+
+def is_felt(least: float, at_low: float | None = None) -> Expect:
+    """Expect that what is at least so large is seen, and that less does no harm.
+
+    Parameters
+    ----------
+    least : float
+        In the unit of the magnitude.
+    at_low : float, optional
+        The same for a rig whose chambers hold less than 100 kPa at rest; as `least` if not given.
+    """
+
+    def must(sizes: Sizes, subject: Subject) -> Must:
+        is_low = subject.base_pressure < _LOW_PRESSURE
+        bound = at_low if is_low and at_low is not None else least
+        return Must.SAFE if abs(sizes.magnitude or 0.0) >= bound else Must.EITHER
+
+    return must

@@ -1,5 +1,6 @@
 """The rig that is broken: what it has that may break, and how it runs when nothing does."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -29,6 +30,8 @@ class Subject:
         Names of the devices on each bus.
     hazards : tuple of Hazard
         What must never be true.
+    base_pressure : float
+        What its chambers hold at rest, Pa gauge; infinite without chambers.
     by_velocity : frozenset of str
         Devices whose axes their velocity loops alone can hold.
     confirming : frozenset of str
@@ -55,6 +58,7 @@ class Subject:
     hazards: tuple[Hazard, ...]
     connecting: float
     reading_age: float
+    base_pressure: float = math.inf
     by_velocity: frozenset[str] = frozenset()
     confirming: frozenset[str] = frozenset()
     procedures: Mapping[str, float] = field(default_factory=dict)

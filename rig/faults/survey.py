@@ -1,6 +1,7 @@
 """What a rig has that may break, as a short run without faults shows it."""
 
 import contextlib
+import math
 import signal
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -123,6 +124,7 @@ def survey(
         hazards=dangers,
         connecting=look.connecting,
         reading_age=_reading_age(profile),
+        base_pressure=getattr(profile.mechanism_settings, "base_pressure", math.inf),
         by_velocity=frozenset(
             name
             for name, entry in profile.devices.items()

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from rig.faults.excuses import (
-    FELT_LEAK,
     ON_A_WIRE,
+    TUBE,
     empties_at_once,
     falls,
     fills_alone,
@@ -30,6 +30,7 @@ from rig.faults.kind import (
     Place,
     Sizes,
     either,
+    is_felt,
     no_excuse,
     ride,
     safe,
@@ -95,11 +96,6 @@ def whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
         for target, known in subject.knows.items()
         if fault in known
     ]
-
-
-def is_felt(least: float) -> Expect:
-    """Expect that what is at least so large is seen, and that less does no harm."""
-    return lambda sizes, subject: Must.SAFE if abs(sizes.magnitude or 0.0) >= least else Must.EITHER
 
 
 def _open_contact(times: int, stage: Stage, place: Place, sizes: Sizes) -> None:
@@ -214,7 +210,7 @@ PNEUMATIC = (
                why="at a pressure near that which is wanted nothing is amiss; above 50 kPa it "
                "pulls alone when all others are vented, with 9 N and more, until the stop bears it",
                excuses=pulls_alone),
-    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(3.0),
+    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(2.5, 3.0),
                UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
     of_device("regulator_offset", "A regulator gives another pressure than it is told.",
@@ -229,11 +225,11 @@ PNEUMATIC = (
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    of_device("leak", "The tube of a chamber is off.", is_felt(FELT_LEAK), UNTIL_MOVED,
+    of_device("leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8), UNTIL_MOVED,
                magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
-               why="less than 2e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
-               "stay where they do when nothing leaks; a wider one empties the chamber before "
-               "its opponents can be; a monitor at the other end of the tube shows nothing of it, "
+               why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
+               "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
+               "one empties the chamber before its opponents can be; a monitor at the other end of the tube shows nothing of it, "
                "and while nothing moves, nobody can tell", excuses=empties_at_once),
     of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
               forgives=ALONE),

@@ -184,3 +184,17 @@ def test_who_commands_the_drives_cannot_have_them_run_away(seed):
     """Their own caps hold whoever commands them: a robot may be told to kneel, no more."""
     row, case = plight(random.Random(seed), "setpoints_spoofed", bears=True)
     assert row.forgives | row.excuses(case) == {"fall"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_only_low_pressures_hide_more_of_a_leak_and_of_a_slow_regulator(seed):
+    chance = random.Random(seed)
+    for kind, least, at_low in (("leak", 1.5e-8, 2e-8), ("regulator_slow", 2.5, 3.0)):
+        row, case = plight(chance, kind, bears=True, size=1.0)
+        low = replace(case.subject, base_pressure=chance.uniform(40e3, 99e3))
+        high = replace(case.subject, base_pressure=chance.uniform(101e3, 300e3))
+        between = Sizes(chance.uniform(least * 1.001, at_low * 0.999), math.inf)
+        assert row.must(between, high) is Must.SAFE
+        assert row.must(between, case.subject) is Must.SAFE
+        assert row.must(between, low) is Must.EITHER
+        assert row.must(Sizes(at_low * 1.001, math.inf), low) is Must.SAFE
