@@ -17,6 +17,7 @@ from drivers.sim.plants.parameters import draw_channel
 from drivers.sim.plants.pneumatic_plant import WIDTH, PneumaticPlant, Units
 from drivers.sim.plants.regulator import quantize
 from drivers.sim.plants.settings import PneumaticPlantSettings, SealFriction
+from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
 
 _SLOWER, _OFFSET = 2.0, 50e3
 """How much slower a regulator gets, and how far off its setpoint (Pa), unless it is said."""
@@ -38,7 +39,7 @@ class RegulatorPlant(PneumaticPlant):
     }
     wear = ("regulator_slow", "regulator_stuck", "regulator_offset")
 
-    _common: PneumaticPlantSettings
+    _common: PneumaticPlantSettings | SphericalJointPlantSettings
 
     def _draw_units(
         self, units: np.random.Generator, reality: np.random.Generator, seals: SealFriction

@@ -274,21 +274,29 @@ class PneumaticPlantSettings(CylinderPlantSettings):
         """
         # By its name: a dataclass with slots is made anew, which an empty super() does not see.
         like = CylinderPlantSettings.believed(self, told)
-        regulator = self.regulator
-        # A calibration sees a dead time at the monitor: all of these come before it.
-        monitor = told["regulator_monitor_time"]
-        late = 0.5 * regulator.sampling + regulator.valve_time + monitor
-        late += self.tube.length / SOUND
-        return replace(
-            like,
-            regulator=replace(
-                regulator,
-                bandwidth=told["regulator_bandwidth"],
-                damping=told["regulator_damping"],
-                dead_time=max(told["regulator_dead_time"] - late, 0.0),
-                monitor_time=monitor,
-            ),
-        )
+        return replace(like, regulator=believed_regulator(self.regulator, self.tube, told))
+
+
+def believed_regulator(
+    regulator: RegulatorSettings, tube: TubeSettings, told: Mapping[str, float]
+) -> RegulatorSettings:
+    """Return a regulator behind a tube that is as the laws are told.
+
+    Parameters
+    ----------
+    told : mapping
+        See `PneumaticPlantSettings.believed`.
+    """
+    # A calibration sees a dead time at the monitor: all of these come before it.
+    monitor = told["regulator_monitor_time"]
+    late = 0.5 * regulator.sampling + regulator.valve_time + monitor + tube.length / SOUND
+    return replace(
+        regulator,
+        bandwidth=told["regulator_bandwidth"],
+        damping=told["regulator_damping"],
+        dead_time=max(told["regulator_dead_time"] - late, 0.0),
+        monitor_time=monitor,
+    )
 
 
 def carriage_mass(moving: float, cylinder: ActuatorSettings) -> float:

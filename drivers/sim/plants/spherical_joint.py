@@ -1,13 +1,14 @@
 """The wide-angle spherical joint: four pneumatic cylinders turn a ring on a ball by wires."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.lending import Kernel, Lending, Memory
 from drivers.sim.plants.parameters import scale_seals
-from drivers.sim.plants.pneumatic_plant import Array
+from drivers.sim.plants.pneumatic_plant import Array, PneumaticPlant
 from drivers.sim.plants.push import Push
 from drivers.sim.plants.regulator_plant import RegulatorPlant
 from drivers.sim.plants.spherical_joint_kernel import (
@@ -24,8 +25,14 @@ from drivers.sim.plants.spherical_joint_parameters import (
     draw_wires,
     home_lengths,
 )
-from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
+from drivers.sim.plants.spherical_joint_settings import (
+    JointPlantSettings,
+    SphericalJointPlantSettings,
+    ValveJointSettings,
+)
 from drivers.sim.plants.spherical_joint_truth import CHANNELS, TRUTH_COLUMNS
+from drivers.sim.plants.spherical_joint_valve_kernel import advance_valve_joint
+from drivers.sim.plants.valve_plant import ValvePlant
 
 Vector3 = tuple[float, float, float]
 
@@ -34,8 +41,8 @@ _LEVEL = {"forward": (1.0, 0.0), "left": (0.0, 1.0)}
 """Directions of a push at the ring, in the ball's axes."""
 
 
-class SphericalJointPlant(RegulatorPlant):
-    """Physics of the spherical joint, integrated at 20 kHz.
+class SphericalJointBody(PneumaticPlant):
+    """Ball, ring and wires of the spherical joint, whatever feeds its cylinders.
 
     The ring turns about the ball's centre with all three rotations and never leaves the ball:
     its seat is taken as capturing. With the rods at `home` and the ring upright all wires are
@@ -46,7 +53,7 @@ class SphericalJointPlant(RegulatorPlant):
 
     Parameters
     ----------
-    settings : SphericalJointPlantSettings
+    settings : JointPlantSettings
         Nominal parameters.
     seed : int
         Of the units' deviations and of the monitors' noise: equal seeds give equal runs.
@@ -59,18 +66,17 @@ class SphericalJointPlant(RegulatorPlant):
         There is no joint of such a geometry.
     """
 
-    Settings = SphericalJointPlantSettings
-
     channel_names = CHANNELS
 
-    own_faults = (*RegulatorPlant.own_faults, "wire_slack", "anchor_slipped")
+    kernel: ClassVar[Kernel]
+    """Steps everything that moves."""
+
+    own_faults = (*PneumaticPlant.own_faults, "wire_slack", "anchor_slipped")
     """What `inject` understands; the last two let some wire go (`slack`, `slip`) each time."""
 
     truth_columns = TRUTH_COLUMNS
 
-    def __init__(
-        self, settings: SphericalJointPlantSettings, seed: int, geometry: JointGeometry
-    ) -> None:
+    def __init__(self, settings: JointPlantSettings, seed: int, geometry: JointGeometry) -> None:
         check_geometry(geometry)
         self.settings = settings
         units, monitors, shapes = np.random.default_rng(seed).spawn(3)
@@ -131,7 +137,7 @@ class SphericalJointPlant(RegulatorPlant):
     ) -> tuple[Kernel, Memory]:
         """Return its kernel; see `rig.hal.plant.LendingPlant`. The axes are the marker's."""
         timing = Lending(period, rod_step, pressure_step, seed)
-        return self.lend_kernel((advance_joint, tell_joint), self._bodies, timing)
+        return self.lend_kernel((type(self).kernel, tell_joint), self._bodies, timing)
 
     @property
     def _bodies(self) -> tuple[Array, ...]:
@@ -144,7 +150,7 @@ class SphericalJointPlant(RegulatorPlant):
         return *super()._moving(), self.wires, self._truth
 
     def _integrate(self, steps: int) -> None:
-        advance_joint(*self._bodies, steps, self._dt)
+        type(self).kernel(*self._bodies, steps, self._dt)
 
     def _break_channel(self, fault: str, channel: int) -> None:
         if fault == "wire_slack":
@@ -157,3 +163,23 @@ class SphericalJointPlant(RegulatorPlant):
     def _repair(self) -> None:
         super()._repair()
         self.wire_parameters["free"] = self._free
+
+
+class SphericalJointPlant(SphericalJointBody, RegulatorPlant):
+    """Physics of the spherical joint on regulators, integrated at 20 kHz.
+
+    Its faults are those of `RegulatorPlant` and `SphericalJointBody`.
+    """
+
+    Settings = SphericalJointPlantSettings
+    kernel = staticmethod(advance_joint)
+
+
+class ValveJointPlant(SphericalJointBody, ValvePlant):
+    """Physics of the spherical joint on proportional valves, integrated at 20 kHz.
+
+    Its faults are those of `ValvePlant` and `SphericalJointBody`.
+    """
+
+    Settings = ValveJointSettings
+    kernel = staticmethod(advance_valve_joint)

@@ -66,9 +66,16 @@ WIRE_STATE = np.dtype(
         ("length", float),  # from adjust point to anchor, m
         ("bristle", float),  # deflection on the ball, m
         ("tension", float),  # at the ring, N
+        ("wrap", float),  # angle on the ball, rad
+        ("arm_x", float),  # about which its tension turns the ring, m
+        ("arm_y", float),
+        ("arm_z", float),
+        ("inwards", float),  # how fast the ring pulls it in, m/s
+        ("stretch", float),  # m
+        ("rate", float),  # of the stretch, m/s
     ]
 )
-"""State of a wire on the ball."""
+"""State of a wire on the ball, and what the ring does to it at the beginning of a step."""
 
 WIRE_PARAMETERS = np.dtype(
     [
@@ -140,6 +147,105 @@ def accelerate_ring(
     joint.rate_z = wz + dt * (tz / q.inertia_tilt + along * uz)
 
 
+@inlined
+def drawn_by(channels: Record) -> float:
+    """Return what all channels draw from the supply line."""
+    drawn = 0.0
+    for k in range(channels.shape[0]):
+        drawn += channels[k].drawn
+    return drawn
+
+
+@inlined
+def lay_wires(joint: Record, q: Record, channels: Record, wires: Record, laid: Record) -> None:
+    """Fill how the wires lie on the ball, and how the ring and the rods stretch them.
+
+    Parameters
+    ----------
+    joint, q : record
+        `JOINT_STATE` and `JOINT_PARAMETERS`.
+    channels, wires, laid : ndarray, shape (n,)
+        `STATE`, `WIRE_STATE` (changed in place) and `WIRE_PARAMETERS`.
+    """
+    w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
+    wx, wy, wz = joint.rate_x, joint.rate_y, joint.rate_z
+    xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    yx, yy, yz = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    for k in range(channels.shape[0]):
+        channel, wire, p = channels[k], wires[k], laid[k]
+        ax, ay, az = p.anchor_x, p.anchor_y, p.anchor_z
+        wire.length, wire.wrap, rx, ry, rz = compiled_wire_path(
+            xx * ax + xy * ay + xz * az,
+            yx * ax + yy * ay + yz * az,
+            zx * ax + zy * ay + zz * az,
+            p.adjust_x,
+            p.adjust_y,
+            p.adjust_z,
+            q.ball_radius,
+        )
+        wire.arm_x, wire.arm_y, wire.arm_z = rx, ry, rz
+        wire.inwards = rx * wx + ry * wy + rz * wz
+        wire.stretch = wire.length - p.free - channel.extension
+        wire.rate = -wire.inwards - channel.speed
+
+
+@inlined
+def move_ring(
+    joint: Record, q: Record, channels: Record, wires: Record, laid: Record, dt: float
+) -> None:
+    """Turn the ring by weight, push, stop, seat and the wires that the channels pull.
+
+    Parameters
+    ----------
+    joint, q, channels, wires, laid
+        As for `lay_wires`, of the same step.
+    dt : float
+        s.
+    """
+    w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
+    xz, yz, zz = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+    tx, ty = stop_torque(joint, q, xz, yz, zz)
+    tx -= q.weight * q.centre_height * yz + q.centre_height * zz * joint.push_y
+    ty += q.weight * q.centre_height * xz + q.centre_height * zz * joint.push_x
+    tz = q.centre_height * (xz * joint.push_y - yz * joint.push_x)
+    load = q.weight
+    for k in range(channels.shape[0]):
+        wire, p = wires[k], laid[k]
+        tension, wire.bristle = capstan_tension(
+            channels[k].tension,
+            wire.bristle,
+            wire.inwards,
+            p.friction * wire.wrap,
+            p.stiffness,
+            p.damping,
+            dt,
+        )
+        wire.tension = tension
+        tx += tension * wire.arm_x
+        ty += tension * wire.arm_y
+        tz += tension * wire.arm_z
+        load += tension
+
+    sx, sy, sz, slide_x, slide_y, slide_z = step_seat(
+        joint.seat_x,
+        joint.seat_y,
+        joint.seat_z,
+        joint.rate_x,
+        joint.rate_y,
+        joint.rate_z,
+        q.seat_stiffness,
+        q.seat_arm * load,
+        dt,
+    )
+    joint.seat_x, joint.seat_y, joint.seat_z = sx, sy, sz
+    tx -= q.seat_stiffness * sx + q.seat_damping * slide_x
+    ty -= q.seat_stiffness * sy + q.seat_damping * slide_y
+    tz -= q.seat_stiffness * sz + q.seat_damping * slide_z
+    accelerate_ring(joint, q, (tx, ty, tz), (xz, yz, zz), dt)
+    turn_ring(joint, dt)
+
+
 def _build(sources: int) -> Callable[..., None]:
     def advance_joint(
         channels: Record,
@@ -156,69 +262,14 @@ def _build(sources: int) -> Callable[..., None]:
         digest = sources  # noqa: F841 - makes the sources part of the cache key
         joint, q = joints[0], joint_parameters[0]
         for _ in range(steps):
-            drawn = 0.0
+            step_supply(joint, q, drawn_by(channels), dt)
+            lay_wires(joint, q, channels, wires, wire_parameters)
             for k in range(channels.shape[0]):
-                drawn += channels[k].drawn
-            step_supply(joint, q, drawn, dt)
-            w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
-            wx, wy, wz = joint.rate_x, joint.rate_y, joint.rate_z
-            xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
-            yx, yy, yz = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
-            zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
-
-            tx, ty = stop_torque(joint, q, xz, yz, zz)
-            tx -= q.weight * q.centre_height * yz + q.centre_height * zz * joint.push_y
-            ty += q.weight * q.centre_height * xz + q.centre_height * zz * joint.push_x
-            tz = q.centre_height * (xz * joint.push_y - yz * joint.push_x)
-            load = q.weight
-            for k in range(channels.shape[0]):
-                channel, wire, p = channels[k], wires[k], wire_parameters[k]
-                ax, ay, az = p.anchor_x, p.anchor_y, p.anchor_z
-                length, wrap, rx, ry, rz = compiled_wire_path(
-                    xx * ax + xy * ay + xz * az,
-                    yx * ax + yy * ay + yz * az,
-                    zx * ax + zy * ay + zz * az,
-                    p.adjust_x,
-                    p.adjust_y,
-                    p.adjust_z,
-                    q.ball_radius,
+                wire = wires[k]
+                step_channel(
+                    channels[k], parameters[k], queues[k], joint.supply, wire.stretch, wire.rate, dt
                 )
-                inwards = rx * wx + ry * wy + rz * wz
-                stretch = length - p.free - channel.extension
-                rate = -inwards - channel.speed
-                step_channel(channel, parameters[k], queues[k], joint.supply, stretch, rate, dt)
-                tension, wire.bristle = capstan_tension(
-                    channel.tension,
-                    wire.bristle,
-                    inwards,
-                    p.friction * wrap,
-                    p.stiffness,
-                    p.damping,
-                    dt,
-                )
-                wire.length, wire.tension = length, tension
-                tx += tension * rx
-                ty += tension * ry
-                tz += tension * rz
-                load += tension
-
-            sx, sy, sz, slide_x, slide_y, slide_z = step_seat(
-                joint.seat_x,
-                joint.seat_y,
-                joint.seat_z,
-                wx,
-                wy,
-                wz,
-                q.seat_stiffness,
-                q.seat_arm * load,
-                dt,
-            )
-            joint.seat_x, joint.seat_y, joint.seat_z = sx, sy, sz
-            tx -= q.seat_stiffness * sx + q.seat_damping * slide_x
-            ty -= q.seat_stiffness * sy + q.seat_damping * slide_y
-            tz -= q.seat_stiffness * sz + q.seat_damping * slide_z
-            accelerate_ring(joint, q, (tx, ty, tz), (xz, yz, zz), dt)
-            turn_ring(joint, dt)
+            move_ring(joint, q, channels, wires, wire_parameters, dt)
         tell_truth(truth, channels, parameters, wires, joint, q)
 
     return advance_joint

@@ -11,7 +11,7 @@ from drivers.sim.plants.spherical_joint_kernel import JOINT_PARAMETERS, WIRE_PAR
 from drivers.sim.plants.spherical_joint_settings import (
     CONTACTS,
     ContactFriction,
-    SphericalJointPlantSettings,
+    JointPlantSettings,
 )
 from drivers.sim.plants.spherical_joint_wire import wire_path
 
@@ -62,7 +62,7 @@ def check_geometry(geometry: JointGeometry) -> None:
 
 
 def draw_wires(
-    rng: np.random.Generator, settings: SphericalJointPlantSettings, geometry: JointGeometry
+    rng: np.random.Generator, settings: JointPlantSettings, geometry: JointGeometry
 ) -> NDArray[Any]:
     """Return the `WIRE_PARAMETERS` of each wire: the geometry and this unit's deviations.
 
@@ -106,7 +106,7 @@ def home_lengths(wires: NDArray[Any], ball_radius: float) -> list[float]:
 
 
 def draw_joint(
-    rng: np.random.Generator, settings: SphericalJointPlantSettings, geometry: JointGeometry
+    rng: np.random.Generator, settings: JointPlantSettings, geometry: JointGeometry
 ) -> NDArray[Any]:
     """Return the `JOINT_PARAMETERS`: ring, seat and marker, with this unit's deviations.
 
@@ -118,8 +118,8 @@ def draw_joint(
     spread = 1.0 + settings.friction_spread * rng.uniform(-1.0, 1.0)
     x, y, z = (settings.tolerance * rng.uniform(-1.0, 1.0, 3)).tolist()
     values = {
-        "supply_time": settings.regulator.supply_time,
-        "supply_volume": settings.regulator.supply_volume,
+        "supply_time": settings.feed.supply_time,
+        "supply_volume": settings.feed.supply_volume,
         "ball_radius": ball,
         "inertia_tilt": ring.inertia_tilt,
         "inertia_spin": ring.inertia_spin,
@@ -140,7 +140,7 @@ def draw_joint(
     return joint
 
 
-def contact_friction(settings: SphericalJointPlantSettings) -> ContactFriction:
+def contact_friction(settings: JointPlantSettings) -> ContactFriction:
     """Return the nominal friction on the ball."""
     nominal, scale = CONTACTS[settings.seals], settings.friction_scale
     return ContactFriction(

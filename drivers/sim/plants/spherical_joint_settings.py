@@ -12,12 +12,19 @@ from typing import Annotated, Self
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
-from drivers.sim.plants.regulator_settings import RealRegulatorSettings, RealTubeSettings
+from drivers.sim.plants.regulator_settings import (
+    RealRegulatorSettings,
+    RealTubeSettings,
+    RegulatorSettings,
+    TubeSettings,
+)
 from drivers.sim.plants.settings import (
     SEALS,
-    PneumaticPlantSettings,
+    CylinderPlantSettings,
     TubedActuatorSettings,
+    believed_regulator,
 )
+from drivers.sim.plants.valve_settings import SpoolSettings, believed_spool
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +107,10 @@ class RingSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SphericalJointPlantSettings(PneumaticPlantSettings):
+class JointPlantSettings(CylinderPlantSettings):
     """A wide-angle spherical joint on four wires, each pulled by a pneumatic cylinder.
+
+    What feeds the cylinders is a subclass's.
 
     Parameters
     ----------
@@ -136,8 +145,9 @@ class SphericalJointPlantSettings(PneumaticPlantSettings):
     camera: CameraSimulationSettings = field(default_factory=CameraSimulationSettings)
 
     def believed(self, told: Mapping[str, float]) -> Self:
-        """See `PneumaticPlantSettings.believed`; besides, ``ring_friction``, ``wire_friction``."""
-        like = PneumaticPlantSettings.believed(self, told)
+        """See `CylinderPlantSettings.believed`; besides, ``ring_friction``, ``wire_friction``."""
+        # By its name: a dataclass with slots is made anew, which an empty super() does not see.
+        like = CylinderPlantSettings.believed(self, told)
         nominal, scale = CONTACTS[self.seals], like.friction_scale
         return replace(
             like,
@@ -153,6 +163,30 @@ class SphericalJointPlantSettings(PneumaticPlantSettings):
 
 
 @dataclass(frozen=True, slots=True)
+class SphericalJointPlantSettings(JointPlantSettings):
+    """A spherical joint whose cylinders electro-pneumatic regulators feed through tubes.
+
+    Parameters
+    ----------
+    regulator, tube
+        Parameters of the parts, the same for every channel.
+    """
+
+    regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
+    tube: TubeSettings = field(default_factory=TubeSettings)
+
+    @property
+    def feed(self) -> RegulatorSettings:
+        """See `CylinderPlantSettings.feed`."""
+        return self.regulator
+
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """See `JointPlantSettings.believed`; besides, what is told of the regulators."""
+        like = JointPlantSettings.believed(self, told)
+        return replace(like, regulator=believed_regulator(self.regulator, self.tube, told))
+
+
+@dataclass(frozen=True, slots=True)
 class RealJointSettings(SphericalJointPlantSettings):
     """A spherical joint with regulators, tubes and encoders as catalogues leave them."""
 
@@ -160,3 +194,28 @@ class RealJointSettings(SphericalJointPlantSettings):
     regulator: RealRegulatorSettings = field(default_factory=RealRegulatorSettings)
     tube: RealTubeSettings = field(default_factory=RealTubeSettings)
     cylinder: TubedActuatorSettings = field(default_factory=TubedActuatorSettings)
+
+
+@dataclass(frozen=True, slots=True)
+class ValveJointSettings(JointPlantSettings):
+    """A spherical joint with a proportional valve and a sensor at each chamber.
+
+    Parameters
+    ----------
+    valve : SpoolSettings
+        The valves, the same for every channel.
+    """
+
+    encoder_noise: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 1e-6
+    cylinder: TubedActuatorSettings = field(default_factory=TubedActuatorSettings)
+    valve: SpoolSettings = field(default_factory=SpoolSettings)
+
+    @property
+    def feed(self) -> SpoolSettings:
+        """See `CylinderPlantSettings.feed`."""
+        return self.valve
+
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """See `JointPlantSettings.believed`; besides, what is told of the spools."""
+        like = JointPlantSettings.believed(self, told)
+        return replace(like, valve=believed_spool(self.valve, told))

@@ -139,13 +139,27 @@ class ValvePairSettings(CylinderPlantSettings):
         """
         # By its name: a dataclass with slots is made anew, which an empty super() does not see.
         like = CylinderPlantSettings.believed(self, told)
-        valve = replace(
-            self.valve,
-            bandwidth=told["spool_bandwidth"],
-            dead_time=max(told["spool_dead_time"], 0.0),
-        )
         mass = carriage_mass(told["mass"], self.cylinder)
-        return replace(like, valve=valve, carriage=replace(self.carriage, mass=mass))
+        return replace(
+            like,
+            valve=believed_spool(self.valve, told),
+            carriage=replace(self.carriage, mass=mass),
+        )
+
+
+def believed_spool(valve: SpoolSettings, told: Mapping[str, float]) -> SpoolSettings:
+    """Return a valve that is as the laws are told.
+
+    Parameters
+    ----------
+    told : mapping
+        ``spool_bandwidth`` and ``spool_dead_time``, SI, among others.
+    """
+    return replace(
+        valve,
+        bandwidth=told["spool_bandwidth"],
+        dead_time=max(told["spool_dead_time"], 0.0),
+    )
 
 
 def stroke_steps(settings: SpoolSettings) -> float:

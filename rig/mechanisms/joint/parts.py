@@ -29,14 +29,15 @@ PARTS = MechanismParts(
     plants={
         name: PlantModel(
             f"{_PLANTS}.spherical_joint_settings:{settings}",
-            f"{_PLANTS}.spherical_joint:SphericalJointPlant",
+            f"{_PLANTS}.spherical_joint:{plant}",
             "drivers.sim.hazards:joint_hazards",
             is_restorable=True,
             lends_kernel=True,
         )
-        for name, settings in (
-            ("spherical-joint-ideal", "SphericalJointPlantSettings"),
-            ("spherical-joint", "RealJointSettings"),
+        for name, settings, plant in (
+            ("spherical-joint-ideal", "SphericalJointPlantSettings", "SphericalJointPlant"),
+            ("spherical-joint", "RealJointSettings", "SphericalJointPlant"),
+            ("valve-joint", "ValveJointSettings", "ValveJointPlant"),
         )
     },
     measures=(
@@ -58,6 +59,7 @@ PARTS = MechanismParts(
     procedures=(
         f"{_HERE}.calibration.procedures:regulators",
         f"{_HERE}.calibration.procedures:encoders",
+        f"{_HERE}.calibration.procedures:valves",
         f"{_HERE}.calibration.procedures:wires",
         f"{_HERE}.calibration.procedures:response",
         f"{_HERE}.calibration.friction:JointFrictionFit",
