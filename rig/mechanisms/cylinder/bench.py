@@ -26,9 +26,7 @@ from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
-from rig.mechanisms.pneumatic.valves.lending import through_loops
-from rig.mechanisms.pneumatic.valves.regulating import pressure_loops
-from rig.mechanisms.pneumatic.valves.settings import SpoolModel
+from rig.mechanisms.pneumatic.valves.bench import dead_time_of, on_regulators, spools_told
 from rig.mechanisms.pneumatic.valves.unknowns import VALVE_UNKNOWNS
 
 Array = NDArray[np.float64]
@@ -38,8 +36,6 @@ LawStep = Callable[..., Output]
 
 _SETTLING: Final = 1.0
 """At base pressure before control begins, s."""
-_SPOOL_LAG: Final = 1.4
-"""Twice the damping ratio of a spool, 0.7: over its bandwidth, by so much it is later."""
 _LOST: Final = 1.5
 """Farther out than this share of the permitted positions, a pair is lost."""
 _HOME: Final = PairReference(0.0, 0.0, 0.0)
@@ -79,9 +75,7 @@ class PairBench(TuningBench):
 
     def told(self) -> dict[str, float]:
         """Return the numbers of the model that laws are told, SI."""
-        spool = self._spool()
-        more = {} if spool is None else {f"spool_{name}": x for name, x in asdict(spool).items()}
-        return {**asdict(self._model), **more}
+        return {**asdict(self._model), **spools_told(self._settings)}
 
     def trial(self, chosen: object, true: Mapping[str, float], seed: int) -> Trial:
         """Run a law on a plant; see `TuningBench.trial`."""
@@ -117,31 +111,18 @@ class PairBench(TuningBench):
         models = [self._model_of(plant) for plant in plants]
         return [ClosedLoop(*margin) for margin in margins_around(law, models)]
 
-    def _spool(self) -> SpoolModel | None:
-        valves = self._settings.valves
-        return None if valves is None else valves.spool
-
     def _model_of(self, plant: Mapping[str, float]) -> PairModel:
-        """Return a plant as a linear model has it: what a spool is later is dead time to it."""
+        """Return a plant as a linear model has it."""
         numbers = {name: plant[name] for name in PairModel.__dataclass_fields__}
-        spool = self._spool()
-        if spool is not None:
-            late = plant["spool_dead_time"] - spool.dead_time
-            late += _SPOOL_LAG * (1.0 / plant["spool_bandwidth"] - 1.0 / spool.bandwidth)
-            numbers["regulator_dead_time"] = max(numbers["regulator_dead_time"] + late, 0.0)
+        numbers["regulator_dead_time"] = dead_time_of(self._settings, plant)
         return replace(self._model, **numbers)
 
     def _settle(self, true: Mapping[str, float], seed: int) -> _Settled:
         """Return a plant at rest at base pressure, what its devices show, and what is true."""
         key = (seed, *sorted(true.items()))
         if key not in self._settled:
-            lent = self._lend(true, seed)
-            home = self._settings.home
-            if self._settings.valves is not None:
-                loops = pressure_loops(self._settings, CHANNELS, self._period)
-                for inner in loops:
-                    inner.reset(0.0, home)
-                lent = through_loops(lent, loops)
+            home, lent = self._settings.home, self._lend(true, seed)
+            lent = on_regulators(lent, self._settings, CHANNELS, (home, home), self._period)
             seen, truth = np.array([home, home, 0.0, 0.0]), np.zeros(1)
             base = np.full(2, self._settings.base_pressure)
             for _ in range(round(_SETTLING / self._period)):

@@ -76,7 +76,7 @@ class PairWatch:
             settings.regulator_response,
             CHANNELS,
             regulators,
-            "regulator" if settings.valves is None else "valve",
+            settings.feeder,
         )
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)

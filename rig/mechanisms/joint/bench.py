@@ -26,7 +26,7 @@ from controllers.spherical_joint.pose_control import (
 from controllers.spherical_joint.pose_kernel import FOUND, PoseNumbers, after, before_natural
 from controllers.spherical_joint.types import JointReference
 from rig.hal import ConfigurationError
-from rig.hal.bench import Lend, Trial, TuningBench
+from rig.hal.bench import Lend, Trial, TuningBench, Unknown
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.motion import Motion
 from rig.hal.plant import LentPlant
@@ -38,6 +38,8 @@ from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
 from rig.mechanisms.pneumatic.unknowns import JOINT_UNKNOWNS, UNKNOWNS
+from rig.mechanisms.pneumatic.valves.bench import dead_time_of, on_regulators, spools_told
+from rig.mechanisms.pneumatic.valves.unknowns import JOINT_VALVE_UNKNOWNS
 
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -59,7 +61,7 @@ class JointBench(TuningBench):
     """Closed loops of the joint; see `TuningBench`. Errors are those of the marker."""
 
     unit = "m"
-    unknowns = JOINT_UNKNOWNS
+    unknowns: Sequence[Unknown] = JOINT_UNKNOWNS
 
     def __init__(
         self,
@@ -73,6 +75,8 @@ class JointBench(TuningBench):
             raise ConfigurationError(f"{law.__name__} has nothing that could be tuned")
         self._settings, self._law, self._period, self._lend = settings, law, period, lend
         self._model = SphericalJoint.model_of(settings)
+        if settings.valves is not None:
+            self.unknowns = JOINT_VALVE_UNKNOWNS
         home = JointReference(_UPRIGHT, _REST, _REST)
         self._programme = Programme.of(
             motions or _usual(settings), period, home, SphericalJoint.approach, _numbers_of
@@ -93,7 +97,7 @@ class JointBench(TuningBench):
         """Return the numbers of the model that laws are told, SI."""
         numbers = {one.name: getattr(self._model, one.name) for one in fields(self._model)}
         del numbers["geometry"]
-        return numbers
+        return {**numbers, **spools_told(self._settings)}
 
     def check(self, chosen: object) -> None:
         """Refuse dithers, and wires or poses of another kind; see `TuningBench.check`."""
@@ -154,8 +158,13 @@ class JointBench(TuningBench):
     ) -> Sequence[ClosedLoop]:
         """Return the margins of a pair around each plant; see `TuningBench.margins`."""
         pair = self._made(chosen).pair_law
-        models = [replace(pair.model, **_varied(plant)) for plant in plants]
+        models = [replace(pair.model, **self._varied(plant)) for plant in plants]
         return [ClosedLoop(*margin) for margin in margins_around(pair, models)]
+
+    def _varied(self, plant: Mapping[str, float]) -> dict[str, float]:
+        """Return what of a plant's numbers a pair's law is told, and may be otherwise."""
+        numbers = {name: plant[name] for unknown in UNKNOWNS for name in unknown.numbers}
+        return {**numbers, "regulator_dead_time": dead_time_of(self._settings, plant)}
 
     def _settle(
         self, true: Mapping[str, float], seed: int
@@ -163,8 +172,10 @@ class JointBench(TuningBench):
         """Return a plant at rest at base pressure, what its devices show, and what is true."""
         key = (seed, *sorted(true.items()))
         if key not in self._settled:
-            lent = self._lend(true, seed)
-            seen, truth = np.zeros(2 * len(CHANNELS)), np.zeros(3)
+            lent = on_regulators(
+                self._lend(true, seed), self._settings, CHANNELS, self._homes.tolist(), self._period
+            )
+            seen, truth = np.concatenate([self._homes, np.zeros(len(CHANNELS))]), np.zeros(3)
             base = np.full(len(CHANNELS), self._settings.base_pressure)
             for _ in range(round(_SETTLING / self._period)):
                 lent.exchange(lent.memory, base, seen, truth)
@@ -183,11 +194,6 @@ def _usual(settings: JointSettings) -> tuple[Motion[JointReference], ...]:
 
 def _numbers_of(reference: JointReference) -> tuple[float, ...]:
     return *reference.axis, *reference.velocity, *reference.acceleration
-
-
-def _varied(plant: Mapping[str, float]) -> dict[str, float]:
-    """Return what of a plant's numbers a pair's law is told, and may be otherwise."""
-    return {name: plant[name] for unknown in UNKNOWNS for name in unknown.numbers}
 
 
 def _numbers_of_laws(law: AnyPoseController) -> tuple[PoseNumbers, tuple[PairNumbers, ...]]:

@@ -58,6 +58,7 @@ class JointWatch:
             settings.regulator_response,
             CHANNELS,
             regulators,
+            settings.feeder,
         )
         self._wires = WireWatch(
             settings.geometry,

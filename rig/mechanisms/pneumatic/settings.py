@@ -187,6 +187,11 @@ class PneumaticSettings:
         return self.limits.pressure[1]
 
     @property
+    def feeder(self) -> str:
+        """What feeds a chamber, in words."""
+        return "regulator" if self.valves is None else "valve"
+
+    @property
     def full_scale(self) -> float:
         """The range of which a regulator's errors are shares, Pa: not less than the limits'."""
         low, high = self.limits.pressure

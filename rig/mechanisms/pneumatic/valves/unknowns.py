@@ -3,12 +3,9 @@
 from typing import Final
 
 from rig.hal.bench import Unknown
-from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
+from rig.mechanisms.pneumatic.unknowns import JOINT_UNKNOWNS, UNKNOWNS
 
-_FRICTION = UNKNOWNS[0]
-
-VALVE_UNKNOWNS: Final = (
-    _FRICTION,
+_SPOOL: Final = (
     # Nothing measures these: a data sheet says them within a factor. E.
     Unknown(
         "spool", ("spool_bandwidth",), "",
@@ -19,4 +16,6 @@ VALVE_UNKNOWNS: Final = (
         guessed=(-1e-3, 1e-3), measured=(-1e-3, 1e-3), measured_by="valves",
     ),
 )  # fmt: skip
-"""Each with its bounds; see `rig.mechanisms.pneumatic.unknowns`."""
+VALVE_UNKNOWNS: Final = (UNKNOWNS[0], *_SPOOL)
+JOINT_VALVE_UNKNOWNS: Final = (JOINT_UNKNOWNS[0], *_SPOOL)
+"""Friction and spools, each with its bounds; see `rig.mechanisms.pneumatic.unknowns`."""
