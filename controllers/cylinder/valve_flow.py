@@ -82,7 +82,10 @@ class ValveFlow(PlainNumbers):
     """
 
     def __init__(self, valve: ValveModel, supply: SupplyModel) -> None:
-        self._feeds, self._exhausts = valve.feeds_from, valve.exhausts_from
+        self.feeds = valve.feeds_from
+        """Opening at which it begins to feed."""
+        self.exhausts = valve.exhausts_from
+        """Opening at which it begins to exhaust."""
         self._per_in, self._per_out = 1.0 / valve.conductance_in, 1.0 / valve.conductance_out
         self._supply = ATMOSPHERE + supply.pressure
         self._ratio = supply.critical_ratio
@@ -100,12 +103,12 @@ class ValveFlow(PlainNumbers):
         share = flow / _port_flow(flow, pressure, self._supply, self._ratio)
         share *= self._per_in if flow >= 0.0 else self._per_out
         if share >= _ROUNDED:
-            opening = self._feeds + share * (1.0 - self._feeds)
+            opening = self.feeds + share * (1.0 - self.feeds)
         elif share <= -_ROUNDED:
-            opening = self._exhausts + share * (1.0 + self._exhausts)
+            opening = self.exhausts + share * (1.0 + self.exhausts)
         else:
-            high = self._feeds + _ROUNDED * (1.0 - self._feeds)
-            low = self._exhausts - _ROUNDED * (1.0 + self._exhausts)
+            high = self.feeds + _ROUNDED * (1.0 - self.feeds)
+            low = self.exhausts - _ROUNDED * (1.0 + self.exhausts)
             opening = 0.5 * (high + low) + 0.5 * (high - low) * share / _ROUNDED
         return 1.0 if opening > 1.0 else -1.0 if opening < -1.0 else opening
 
