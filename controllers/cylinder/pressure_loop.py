@@ -7,10 +7,11 @@ a pair are told of, as they are of a regulator's. The flow that this pressure an
 
 is worked out with the volume that the rod's encoder tells, and turned into an opening by the
 inverse of the valve's flow map. What is measured corrects it, compared with the pressure that the
-model had as long ago as valve and sensor take. What stays off while a port passes
-air is learnt as the opening at which that port begins: half a hundredth of it makes ten kilopascals
-in a chamber that is nearly shut, because the flow that makes up for an error is in proportion to the
-volume.
+model had as long ago as valve and sensor take.
+
+What stays off while a port passes air is learnt as the opening at which that port begins. Told
+wrong by 1 %, it makes 20 kPa in a chamber that is nearly shut: the flow that makes up for an error is
+in proportion to the volume.
 
 References
 ----------

@@ -70,7 +70,7 @@ def test_no_healthy_cylinder_of_a_thousand_is_refused_its_first_motion(tmp_path)
         assert stopped is None, f"seed {seed}: {stopped}"
 
 
-SOLD = ("cylinder", "cylinder-valves", "joint")
+SOLD = ("cylinder", "cylinder-valves", "joint", "joint-valves")
 """On regulators as they are sold and mounted, and on valves."""
 
 

@@ -142,6 +142,47 @@ def test_the_flow_of_a_moving_piston_is_made_up_for(speed):
     assert worst < 1.5e3
 
 
+def follow(loop, air, seconds):
+    """Return the greatest error, Pa, over ramps to and fro in a chamber that is nearly shut."""
+    worst = 0.0
+    loop.reset(air.pressure, 0.05)
+    for k in range(round(seconds / PERIOD)):
+        wanted = 150e3 + 50e3 * abs(4.0 * (k * PERIOD % 0.5) - 1.0)
+        air.step(loop.step(wanted, air.pressure, 0.05), 0.05, 0.0)
+        worst = max(worst, abs(air.pressure - loop.pressure))
+    return worst
+
+
+@pytest.mark.parametrize("off", [0.01, -0.008])
+def test_where_the_ports_begin_is_learnt(off):
+    supply, told = SupplyModel(), ValveModel(0.01, -0.01, 4e-9, 3.6e-9)
+    true = ValveModel(0.01 + off, -0.01 + off, 4e-9, 3.6e-9)
+    worst = {}
+    for learning in (0.0, 1.4e-5):
+        settings = PressureLoopSettings(gain=80.0, lag=PERIOD, preview=0.0, learning=learning)
+        loop, air = PressureLoop(settings, CHAMBER, told, supply, PERIOD), Air(true, supply, 2e5)
+        follow(loop, air, 2.0)
+        worst[learning] = follow(loop, air, 1.0)
+    assert worst[1.4e-5] < 0.4 * worst[0.0]
+
+
+def test_what_is_learnt_stays_near_what_is_told():
+    """A valve that is stuck, or a tube that is off, teaches no more than a valve may be off by."""
+    told = ValveModel(0.01, -0.012, 4e-9, 3.6e-9)
+    loop = PressureLoop(PressureLoopSettings(), CHAMBER, told, SupplyModel(), PERIOD)
+    loop.reset(120e3, 0.03)
+    flow = loop._flow
+    for measured, feeds, exhausts in (
+        (20e3, 0.03, -0.012),
+        (450e3, 0.03, -0.032),
+        (250e3, 0.03, -0.032),
+    ):
+        for _ in range(2000):
+            loop.step(200e3, measured, 0.03)
+        assert flow.feeds == pytest.approx(feeds)
+        assert flow.exhausts == pytest.approx(exhausts)
+
+
 def test_a_pressure_of_0_vents_whatever_is_measured():
     loop = PressureLoop(PressureLoopSettings(), CHAMBER, ValveModel(), SupplyModel(), PERIOD)
     loop.reset(120e3, 0.03)
