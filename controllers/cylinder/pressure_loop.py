@@ -9,9 +9,9 @@ is worked out with the volume that the rod's encoder tells, and turned into an o
 inverse of the valve's flow map. What is measured corrects it, compared with the pressure that the
 model had as long ago as valve and sensor take.
 
-What stays off while a port passes air is learnt as the opening at which that port begins. Told
-wrong by 1 %, it makes 20 kPa in a chamber that is nearly shut: the flow that makes up for an error is
-in proportion to the volume.
+What stays off while a port passes air is learnt as the opening at which that port begins. One that
+is told wrong by 1 % makes 20 kPa in a chamber that is nearly shut: the flow that makes up for an
+error is in proportion to the volume.
 
 References
 ----------

@@ -23,6 +23,8 @@ class EndToEnd:
         Of the plant's truth, where it is read as by a gauge; SI.
     nudge : float
         How far each call moves it, SI.
+    harder : float
+        How many times harder it pulls at last what does not give way, at least 1.
     low, high : float, optional
         The hand goes no further than these, SI; default: to the mechanical ends.
 
@@ -35,11 +37,18 @@ class EndToEnd:
     """
 
     def __init__(
-        self, channel: str, column: str, nudge: float, low: float = -inf, high: float = inf
+        self,
+        channel: str,
+        column: str,
+        nudge: float,
+        harder: float = 1.0,
+        low: float = -inf,
+        high: float = inf,
     ) -> None:
         self._channel = channel
         self._column = column
         self._nudge = nudge
+        self._harder = (harder - 1.0) / _STUCK
         self.low, self.high = low, high
         self._start: float | None = None
         self._goals: list[float] = []
@@ -72,6 +81,7 @@ class EndToEnd:
             self._stuck = 0
         if self._goals:
             left = self._goals[0] - here
-            plant.pull(self._channel, max(min(left, self._nudge), -self._nudge))
+            most = self._nudge * (1.0 + self._harder * self._stuck)
+            plant.pull(self._channel, max(min(left, most), -most))
         self.is_back = not self._goals
         return self._most - self._least

@@ -117,6 +117,8 @@ def spool_flows(state: Record, p: Record, supply: float) -> tuple[float, float]:
     back = mass_flow(fed, p.ratio_in, pressure, supply)
     state.drawn = inflow - back
     let = p.conductance_out * port_area(-moved, p.overlap_out, p.progression_out, p.leakage)
+    # And by its exhaust a rod that is pulled by hand draws air in.
+    inflow += mass_flow(let, p.ratio_out, ATMOSPHERE, pressure)
     return inflow, back + mass_flow(let, p.ratio_out, pressure, ATMOSPHERE)
 
 

@@ -18,6 +18,8 @@ from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _HAND: Final = 0.2
 """How fast a simulated hand moves a rod, m/s, whatever the cycle: wires pull it back meanwhile."""
+_HARDER: Final = 5.0
+"""Times harder it pulls at last where a wire pulls back at what sticks."""
 _OFF: Final = 2e-3
 """How far off the zero of an encoder may be that nobody has calibrated, m."""
 _SCALE: Final = (0.97, 1.03)
@@ -78,7 +80,8 @@ def _gauge(site: Site, name: str, channel: str, span: float) -> tuple[Ends, floa
     Defect
         The encoder is not well on the way.
     """
-    hand = EndToEnd(channel, f"extension_{channel}", _HAND * site.profile.loop.period)
+    nudge = _HAND * site.profile.loop.period
+    hand = EndToEnd(channel, f"extension_{channel}", nudge, _HARDER)
     task = Task(
         f"ends.{channel}",
         f"Pull the rod of {channel} out as far as it goes, push it in as far as it goes, and put "

@@ -66,7 +66,7 @@ class AxesToTheirEnds(AcceptanceStep):
 
 def _turn(site: Site, axes: Axes, name: str, bounds: AxisBounds) -> tuple[Task, Ends]:
     nudge = _HAND * bounds.speed * site.profile.loop.period
-    hand = EndToEnd(name, name, nudge, bounds.low, bounds.high)
+    hand = EndToEnd(name, name, nudge, low=bounds.low, high=bounds.high)
     task = Task(
         f"ends.{name}",
         f"Turn {name} by hand to both ends of its range and back, slower than "
