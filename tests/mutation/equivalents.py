@@ -133,6 +133,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/servo/axes.py",
+        "if abs(speed) > fastest:",
+        "abs(speed) > fastest -> abs(speed) >= fastest",
+        "a speed that is the greatest is set to it",
+    ),
+    Equivalent(
+        "rig/mechanisms/servo/axes.py",
         "falls = int(0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-9)",
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-09 -> "
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
@@ -271,11 +277,5 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "if way > stroke:",
         "way > stroke -> way >= stroke",
         "no sum of steps is the stroke to the last bit, and one more step changes nothing",
-    ),
-    Equivalent(
-        "rig/mechanisms/pneumatic/cut_wire.py",
-        "low, high = 0.0, settings.limits.pressure[1]",
-        "0.0 -> 1.0",
-        "of the search's lower end: the pressure is far above a pascal",
     ),
 )

@@ -270,10 +270,10 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             speed = (inside - was) / period
             if braking:
                 speed = self._slow_down(speed, self._speeds[k], inside - was)
-            if not -fastest <= speed <= fastest:
+            if abs(speed) > fastest:
                 if abs(speed) > fastest * (1.0 + 1e-6):
                     self._hits["joint rate"] += 1
-                speed = min(max(speed, -fastest), fastest)
+                speed = math.copysign(fastest, speed)
             position = was + speed * period
             if braking:  # the range comes before a gentle stop
                 position = min(max(position, lower), upper)

@@ -202,6 +202,15 @@ def test_a_monitor_that_is_off_for_good_is_found_by_its_mean(seed):
     assert took * STEP == pytest.approx(-MEAN_TIME * math.log(1.0 - share), rel=0.2)
 
 
+@pytest.mark.parametrize("bandwidth", [400.0, 1500.0])
+def test_the_mean_of_a_quick_valve_is_taken_over_as_long_as_a_slip_lasts(bandwidth):
+    quick = RegulatorModel(bandwidth=bandwidth, dead_time=0.0)
+    bench = Bench(quick, **CALM)
+    bench.pass_by(8 * round(USUAL_TIME / STEP))
+    took = cycles_until("monitor of ch2", bench, 4000, ch2=20e3)
+    assert took * STEP == pytest.approx(-0.05 * math.log(1.0 - 12.0 / 20.0), rel=0.05)
+
+
 def test_what_a_regulator_is_off_from_the_start_is_usual():
     """As one is that nobody has calibrated: for more there is the deviation."""
     bench = Bench(**CALM)

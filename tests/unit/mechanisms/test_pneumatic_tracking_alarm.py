@@ -293,4 +293,7 @@ def test_nothing_moves_while_chambers_fill(sign):
         watched.check_still((0.0, 0.0), (2.0 * bound, 0.0))
     fault = told.value
     assert (fault.value, fault.lower, fault.upper) == (2.0 * bound, -FOLLOWING, FOLLOWING)
+    with pytest.raises(LimitExceeded) as told:
+        watched.check_still(home, (home[0] + 2.0 * bound, home[1]))
+    assert told.value.value == pytest.approx(2.0 * bound)
     watched.check_still((0.0, 0.0), (bound, -bound))

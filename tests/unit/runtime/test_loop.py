@@ -289,6 +289,16 @@ def test_a_stop_at_once_waits_for_the_chambers_and_an_orderly_one_has_emptied_th
     assert bench.device.safe == cycles
 
 
+def test_a_rig_that_was_never_run_is_made_safe_in_a_few_cycles():
+    bench = Bench()
+    loop = Loop(
+        clock=bench.clock, period=PERIOD, buses=bench.buses, devices=bench.devices,
+        mechanism=bench.mechanism, controller=bench.controller, states=bench.states,
+    )  # fmt: skip
+    assert loop.make_safe() == ()
+    assert bench.device.safe == SAFE_CYCLES
+
+
 def test_reading_back_that_fails_is_told_and_no_safe_state():
     bench = Bench(safe_within=0.1)
     bench.device.unsafe = lambda now: 1 / 0

@@ -211,13 +211,16 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         the ring gets away from it. A PID would push a ring that sticks until it flies off.
 
         Whatever the profile's cascade is tuned for, this is the one for standard seals, with the
-        profile's gains where they are lower. It heeds no camera, which may not be calibrated yet,
-        and shakes nothing: that would change the friction.
+        profile's gains where they are lower. On valves all other gains are the profile's, too: those
+        for regulators would shake pressures that follow at once. It heeds no camera, which may not
+        be calibrated yet, and shakes nothing: that would change the friction.
         """
         usual = self.profile.controllers["cascade"]
-        standard = dataclasses.replace(
-            type(usual)(), wire=usual.wire, pose=usual.pose, stretch=usual.stretch
-        )
+        standard = usual
+        if self.settings.valves is None:
+            standard = dataclasses.replace(
+                type(usual)(), wire=usual.wire, pose=usual.pose, stretch=usual.stretch
+            )
         believed = dataclasses.asdict(usual.pair)
         gains = {f"pair.{name}": min(believed[name], most) for name, most in _CASCADE.items()}
         calm = {**gains, "camera.gain": 0.0, "dither.amplitude": 0.0, "path_dither.force": 0.0}

@@ -18,6 +18,9 @@ _JUMPED = 0.7
 _MEAN = 4.0
 """Time constants of the regulator over which the mean deviation is taken, and for which it must be
 slow: at the beginning of a step dead time looks the same."""
+_LEAST_MEAN = 0.05
+"""It is taken over no less, s: a rod that slips, and setpoints that turn round at once, push a
+pressure about for so long, however quick what feeds the chamber is."""
 _USUAL = 5.0
 """Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is."""
 _SLOW = 1.0
@@ -149,7 +152,7 @@ class PressureWatch:
         self._part = part
         self._stiffness = response.bandwidth**2
         self._drag = 2.0 * response.damping * response.bandwidth
-        self._mean_time = _MEAN / response.bandwidth
+        self._mean_time = max(_MEAN / response.bandwidth, _LEAST_MEAN)
         self._names = tuple(channels)
         self._device = device
         self._channels: tuple[_Channel, ...] = ()
