@@ -211,9 +211,9 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         the ring gets away from it. A PID would push a ring that sticks until it flies off.
 
         Whatever the profile's cascade is tuned for, this is the one for standard seals, with the
-        profile's gains where they are lower. On valves its other gains are the profile's, too: those
-        for regulators would shake pressures that follow at once. It heeds no camera, which may
-        not be calibrated yet, and shakes nothing: that would change the friction.
+        profile's gains where they are lower. On valves its other gains are the profile's, too, as
+        those for regulators would shake pressures that follow at once. It heeds no camera, which
+        may not be calibrated yet, and shakes nothing: that would change the friction.
         """
         usual = self.profile.controllers["cascade"]
         standard = usual
