@@ -16,10 +16,10 @@ from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
 
-_VENTED = 15e3
+_VENTED = 12e3
 """Excess over its safe pressure up to which a chamber counts as vented, Pa: above a monitor's
 offset and noise, and with these no more than 20 kPa, where a piston of 2 cm² pushes with 4 N, less
-than its seals hold back."""
+than its seals hold back. Whose calibration is another unit's is off by twice a monitor's offset."""
 _STILL = 0.05
 """Share of its greatest speed up to which a braked joint counts as standing still."""
 _FRESH = 0.1
