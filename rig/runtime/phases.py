@@ -172,8 +172,9 @@ class Phases(Generic[State, Reference, Command]):
         try:
             self.reference = reference
             self.answer = command = self._controller.update(state, reference)
-        except ValueError as error:
-            raise SafetyError(f"the controller cannot go on: {error}") from error
+        except (ValueError, OSError) as error:  # of its own: no disk's, and no socket's
+            said = str(error).encode(errors="backslashreplace").decode() or type(error).__name__
+            raise SafetyError(f"the controller cannot go on: {said}") from error
         self._mechanism.check_command(reference, command)
         return command
 

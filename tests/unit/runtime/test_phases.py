@@ -192,12 +192,23 @@ def test_what_a_controller_asks_for_is_checked_before_it_is_used():
     assert asked == [(4.0, 4.0)]
 
 
-def test_a_controller_that_cannot_go_on_is_a_fault_of_the_motion():
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ValueError("no way on"), "no way on"),
+        (OSError(28, "No space left on device"), "[Errno 28] No space left on device"),
+        (BrokenPipeError(), "BrokenPipeError"),
+        (ValueError("\ud800"), "\\ud800"),
+    ],
+    ids=["none", "its own disk", "its own pipe", "no text"],
+)
+def test_a_controller_that_cannot_go_on_is_a_fault_of_the_motion(error, said):
     run = Run()
-    run.controller.error = ValueError("no way on")
+    run.controller.error = error
     run.go(4)
-    with pytest.raises(SafetyError, match="the controller cannot go on: no way on"):
+    with pytest.raises(SafetyError) as caught:
         run.step(4 * P, 4.0, 0)
+    assert str(caught.value) == f"the controller cannot go on: {said}"
 
 
 class Watching(Ramp):
