@@ -263,7 +263,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
                 raise LimitExceeded(
                     f"commanded position of {joints.names[k]}", wanted, lower, upper, "rad"
                 )
-            inside = wanted
+            inside = float(wanted)  # half precision would go on through all that follows
             if not lower <= wanted <= upper:
                 inside = min(max(wanted, lower), upper)
                 self._hits["joint range"] += 1

@@ -4,6 +4,7 @@ import itertools
 import math
 import random
 
+import numpy as np
 import pytest
 from servo_fakes import (
     ACCELERATION,
@@ -97,6 +98,14 @@ def test_the_speed_that_is_applied_is_that_of_the_step():
     bench = ServoBench()
     bench.start()
     assert bench.limit(a=0.25 * PERIOD, b=-1.5 * PERIOD).velocities == (0.25, -1.5, 0.0)
+
+
+def test_a_law_in_half_precision_does_not_make_the_setpoints_coarse():
+    bench = ServoBench()
+    bench.start()
+    bench.limit(a=np.float16(0.25 * PERIOD))
+    applied = bench.limit(a=np.float16(0.5 * PERIOD))
+    assert [type(one) for one in (*applied.positions, *applied.velocities)] == [float] * 6
 
 
 def test_only_what_was_limited_is_sent_and_only_once():
