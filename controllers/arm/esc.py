@@ -96,9 +96,6 @@ class EscPaper(ArmLaw[EscPaperSettings]):
     Settings = EscPaperSettings
     name = "esc-paper"
     promises = Promises(path=True)
-    _passed: Trajectory | None = None
-    _slow: Slowing
-    """Of the line that was gone last, which `reset` begins anew."""
 
     def promised(self, trajectory: Trajectory) -> Promises:
         """Return what the law promises on a path: of q3 only while the tool does not turn."""
@@ -132,9 +129,8 @@ class EscPaper(ArmLaw[EscPaperSettings]):
                 f"hand would go against its command; start with q3 > 0, or take the law esc."
             )
         check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, 1.0))
-        if trajectory is not self._passed:
-            self._slow, self._passed = self._passing(trajectory, sin_qs), trajectory
-        return turn_back(self.arm, trajectory, sin_qs, 1.0, self._slow, self.period, end)
+        slow = self._passing(trajectory, sin_qs)
+        return turn_back(self.arm, trajectory, sin_qs, 1.0, slow, self.period, end)
 
     def region(self, trajectory: StraightTrajectory) -> float:
         """Return sin q_s for a line."""

@@ -1,4 +1,4 @@
-"""What the laws of the arm have in common: one motion, planned and then repeated online."""
+"""What the laws of the arm have in common: one motion, planned whole and then sent out."""
 
 from abc import abstractmethod
 from collections.abc import Generator
@@ -70,9 +70,10 @@ class ArmLaw(
 ):
     """A law that moves the arm along one path.
 
-    `prepare` runs the law through the whole motion and keeps nothing but the path; `update` runs
-    it again, one period per call whatever the clock says: a late cycle is a cycle later, not a
-    jump. The law moves the commanded joints; that the measured ones follow is for the drives.
+    `prepare` runs the law through the whole motion, before anything moves; `update` gives what was
+    planned, one period per call whatever the clock says: a late cycle is a cycle later, not a
+    jump. Nothing is planned in the loop, where that would stop the arm for many periods. The law
+    moves the commanded joints; that the measured ones follow is for the drives.
     """
 
     name: ClassVar[str]
@@ -83,9 +84,8 @@ class ArmLaw(
         super().__init__(settings, model, period)
         self.geometry = model
         self.arm = dimensions_of(model)
-        self._trajectory: Trajectory | None = None
-        self._motion: Motion | None = None
-        self._last: Sample | None = None
+        self._plan: ArmPlan | None = None
+        self._cycle = 0
         self._follower: TwistFollower | None = None
 
     @abstractmethod
@@ -115,7 +115,7 @@ class ArmLaw(
             plan = self._within_ranges(path)
         except TooFast as error:
             raise InfeasibleMotion(f"{error}; {self._fitting(path, error)}.") from error
-        self._follower = self._motion = None
+        self._follower, self._plan, self._cycle = None, plan, 0
         return plan
 
     def _within_ranges(self, path: ArmPathSettings) -> ArmPlan:
@@ -128,7 +128,7 @@ class ArmLaw(
             return begun_elsewhere(self.arm, path, error, self._planned)
 
     def _planned(self, path: ArmPathSettings) -> ArmPlan:
-        """Return the plan of a path that keeps what is promised, which is then the law's own.
+        """Return the plan of a path that keeps what is promised.
 
         Raises
         ------
@@ -150,7 +150,6 @@ class ArmLaw(
             end.marks,
         )
         check_promises(self.geometry, plan, self.promised(trajectory))
-        self._trajectory = trajectory
         return plan
 
     def _fitting(self, path: ArmPathSettings, refused: TooFast) -> str:
@@ -223,23 +222,21 @@ class ArmLaw(
     def reset(self, state: ArmState) -> None:
         """Go back to the beginning of the path."""
         del state  # the motion starts where the path does; the approach leads there
-        self._last = None
-        if self._trajectory is not None:
-            self._motion = self.move(self._trajectory, MotionEnd())
+        self._cycle = 0
 
     def update(self, state: ArmState, reference: ArmReference) -> ArmCommand:
         """Return the command for this period; at the end of the path the arm rests."""
         del state
         if self._follower is not None:
             return self._follow(self._follower, reference)
-        if not reference.following or self._motion is None:
+        plan = self._plan
+        if not reference.following or plan is None:
             return ArmCommand(reference.positions, reference.velocities)
-        sample = next(self._motion, None)
-        if sample is None:
-            end = reference.positions if self._last is None else self._last.positions
-            return ArmCommand(end, AT_REST)
-        self._last = sample
-        return ArmCommand(sample.positions, sample.velocities)
+        k = self._cycle
+        if k == len(plan.t):
+            return ArmCommand(tuple(plan.positions[-1].tolist()), AT_REST)
+        self._cycle = k + 1
+        return ArmCommand(tuple(plan.positions[k].tolist()), tuple(plan.velocities[k].tolist()))
 
     def _follow(self, follower: TwistFollower, reference: ArmReference) -> ArmCommand:
         """Return the command for a twist; while none is followed, that of the reference."""

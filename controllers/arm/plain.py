@@ -150,12 +150,11 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
     def __init__(self, settings: DampedSettings, model: ArmGeometry, period: float) -> None:
         super().__init__(settings, model, period)
         self._used = settings
-        self._tuned_to: Trajectory | None = None
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period, once the damping is found."""
-        if self.settings.damping is None and trajectory is not self._tuned_to:
-            self._used, self._tuned_to = self._tuned(trajectory), trajectory
+        if self.settings.damping is None:
+            self._used = self._tuned(trajectory)
         return super().move(trajectory, end)
 
     def rates(self, q: Joints, twist: Twist) -> Joints:

@@ -134,6 +134,7 @@ class ForwardKinematics:
     def compile(self) -> None:
         """Have the search compiled, for what is called in every cycle."""
         self._search = KernelMemory(self.constants).bind(search)
+        self._search((0.0, 0.0), (0.0, 0.0, 0.0, 0.0))  # the first call is what compiles
 
     def update(self, shortening: Quadruple) -> ForwardPose:
         """Return the pose that explains four shortenings (m) best.

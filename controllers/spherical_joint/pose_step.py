@@ -25,6 +25,10 @@ from controllers.spherical_joint.taut import PoseTensions, raised
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.wires import InverseKinematics
 
+_HOME: Vector = (0.0, 0.0, 1.0)
+_REST: Vector = (0.0, 0.0, 0.0)
+_NO_RODS: Quadruple = (0.0, 0.0, 0.0, 0.0)
+
 
 class PoseInputs(NamedTuple):
     """A cycle's inputs to the laws and to the estimate of the marker.
@@ -100,6 +104,15 @@ class PoseStep:
         self._before = self._memory.bind(kernel.before_natural)
         self._after = self._memory.bind(kernel.after)
         self._remembered = self._memory.bind(kernel.remembered)
+        self._call_each()
+        self._memory.lay(self._numbers)
+
+    def _call_each(self) -> None:
+        """Call the steps once, for home at rest: the first call is what compiles."""
+        middle = self._settings.middle
+        self._before(_HOME, _REST, _REST, _NO_RODS, (middle,) * 4, middle, True, True)
+        self._after(0.0, 0.0, 0.0)
+        self._remembered()
 
     def reset(self) -> None:
         """Forget the past."""

@@ -168,6 +168,9 @@ class TensionDistribution:
         """Have `at` and `shares` compiled, for what is called in every cycle."""
         self._tensions_in = KernelMemory(self.wires).bind(pose_tensions)
         self._shares_in = KernelMemory(self.regular or self.wires).bind(pose_shares)
+        home = natural_rotation((0.0, 0.0, 1.0))
+        self._tensions_in(home)  # the first call is what compiles
+        self._shares_in(home)
 
     def at(self, rotation: Rotation) -> PoseTensions:
         """Return what tensions do in a pose."""

@@ -1,9 +1,9 @@
-"""The law that the arm's loop runs beside general inverse kinematics, on the same arm and path.
+"""A step of the arm's laws beside general inverse kinematics, on the same arm and path.
 
-Ours is `update()` of `esc` and `esc-paper` as the loop calls it: a cycle of the line that turns
-back at the elbow, by a step of Runge and Kutta's method. Each library takes a step from the same
-joints to the pose that the same line asks for a period later, with its own fastest interface and
-with the joints' rate limits where it knows them. All of them are called from Python.
+Ours is a period of the motion that `esc` and `esc-paper` plan: of the line that turns back at the
+elbow, by a step of Runge and Kutta's method. Each library takes a step from the same joints to the
+pose that the same line asks for a period later, with its own fastest interface and with the
+joints' rate limits where it knows them. All of them are called from Python.
 
 None of the libraries passes the singularity that the law is for.
 """
@@ -17,9 +17,9 @@ import pytest
 from controllers.arm.esc import Esc, EscPaper
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
+from controllers.arm.law import MotionEnd
 from controllers.arm.paths import TurnBack
 from controllers.arm.trajectories import make_trajectory
-from controllers.arm.types import ArmState
 
 pytestmark = pytest.mark.benchmark
 
@@ -30,7 +30,7 @@ PERIOD = 5e-3
 ROUNDS = 9
 LAWS = {"esc": Esc, "esc-paper": EscPaper}
 MOST = {"pinocchio + dls": 0.4, "pink": 0.08, "mink": 0.11, "placo": 2.4}
-"""What an update may cost over a step of each library: twice what was measured."""
+"""What our step may cost over a step of each library: twice what was measured."""
 
 
 def urdf():
@@ -94,18 +94,18 @@ def prepared(kind):
 
 
 def ours(kind):
-    """Return the next update of the motion, which begins anew when it is done."""
+    """Return the next step of the motion, which begins anew when it is done."""
     law, plan = prepared(kind)
-    state, reference = ArmState(0.0, Q, (0.0,) * 6), plan.at(0.0)
-    left = 0
+    trajectory = make_trajectory(dimensions_of(GEOMETRY), PATH)
+    left, motion = 0, iter(())
 
     def step():
-        nonlocal left
+        nonlocal left, motion
         if left == 0:
-            law.reset(state)
+            motion = law.move(trajectory, MotionEnd())
             left = len(plan.t) - 1
         left -= 1
-        return law.update(state, reference)
+        return next(motion)
 
     return step
 

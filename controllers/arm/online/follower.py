@@ -60,6 +60,8 @@ class OnDirection(TwistFollower):
     def __init__(self, geometry: ArmGeometry, period: float, *, through: bool) -> None:
         self._next = KernelMemory(TwistNumbers(geometry, period, through=through)).bind(next_period)
         self.rest(AT_REST)
+        self.step(AT_REST)  # the first call is what compiles
+        self.rest(AT_REST)
 
     def rest(self, positions: Six) -> None:
         """See `TwistFollower.rest`."""

@@ -40,6 +40,20 @@ def test_online_is_as_planned(kind, path):
         assert command == (tuple(plan.positions[-1]), REST)
 
 
+@pytest.mark.parametrize("kind", LAWS, ids=lambda kind: kind.name)
+def test_nothing_is_planned_in_the_loop(kind, monkeypatch):
+    def refused(*_):
+        pytest.fail("it plans where a rig would wait for it")
+
+    law = law_of(kind)
+    plan = law.prepare(TurnBack())
+    for name in ("move", "_planned", "prepare"):
+        monkeypatch.setattr(kind, name, refused)
+    law.reset(ArmState(0.0, REST, REST))
+    for t in (*plan.t, plan.duration + PERIOD):
+        law.update(ArmState(t, REST, REST), plan.at(0.0))
+
+
 def test_before_its_path_a_law_goes_where_it_is_led():
     law = law_of(Esc)
     plan = law.prepare(TurnBack())

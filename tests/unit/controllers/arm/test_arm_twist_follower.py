@@ -1,13 +1,17 @@
 """An arm that follows twists: turning to a new one, stopping, the boundary, and who refuses."""
 
+import sys
+
 import numpy as np
 import pytest
 from arm_cases import GEOMETRIES, radians
 from test_arm_twist_drawn import PERIOD, follow, follower_of
 from twist_oracle import hand_of, off_line
 
+from controllers import compiled
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.online.commands import TwistRows
+from controllers.arm.online.follower import OnDirection
 from controllers.motion import InfeasibleMotion
 
 GEOMETRY = GEOMETRIES["paper"]
@@ -18,6 +22,19 @@ REST = (0.0,) * 6
 def accelerations(positions):
     moved = np.diff(positions, axis=0, prepend=positions[:1]) / PERIOD
     return np.abs(np.diff(moved, axis=0)) / PERIOD / np.array(GEOMETRY.acceleration_limits)
+
+
+def test_a_new_follower_has_its_kernel_before_the_loop(monkeypatch):
+    monkeypatch.setattr(compiled, "kernel_of", compiled.kernel_of.__wrapped__)  # as the first one
+    follower = OnDirection(GEOMETRY, PERIOD, through=False)
+    calls = []
+    sys.setprofile(lambda _, event, what: calls.append(what) if "call" in event else None)
+    try:
+        follower.step(REST)
+    finally:
+        sys.setprofile(None)
+    assert len(calls) < 50  # a kernel that is loaded makes some 30 000
+    assert follower.positions == REST
 
 
 @pytest.mark.parametrize("seed", range(10))
