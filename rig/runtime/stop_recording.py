@@ -7,6 +7,8 @@ from typing import Any
 
 from rig.hal import Column, Mechanism
 
+_PATIENCE = 1.0
+"""So much longer than a stop takes it is recorded, s: a disk that is slow must not draw it out."""
 _MADE_SAFE = 2.0
 """What the column ``fault`` says in these cycles."""
 
@@ -61,6 +63,7 @@ class StopRecording:
         self._phase = phase
         self._offset = reference_time - last
         self._cycle = round(last / period)
+        self._until = last + mechanism.stopping_time + _PATIENCE
         self._state: Any  # none until a device answers: then there is nothing to record
 
     @property
@@ -72,7 +75,7 @@ class StopRecording:
         """Record what is read now; never raises: the stop goes on whatever becomes of the log."""
         t = now - self._start
         cycle = round(t / self._period)
-        if not self.cycles or cycle <= self._cycle:
+        if not self.cycles or cycle <= self._cycle or t > self._until:
             return
         with contextlib.suppress(Exception):
             mechanism = self._mechanism

@@ -276,6 +276,15 @@ def test_a_stop_is_recorded_once_a_cycle_from_the_one_after_the_fault():
     assert [row[:3] for _, _, row in rows] == [(2.0, 64.0 + k * PERIOD, 2.0) for k in (4.0, 5.0)]
 
 
+def test_a_disk_that_is_slow_does_not_draw_a_stop_out():
+    mechanism, rows = FakeMechanism(), []
+    mechanism.stopping_time = 0.25
+    recording = stop_recording(mechanism, rows, last=0.25)
+    for t in (1.5, 1.5 + PERIOD, 2.0):  # it lasts until 0.5 s, and a second more is waited
+        recording(64.0 + t)
+    assert [t for _, t, _ in rows] == [1.5]
+
+
 def test_a_stop_whose_state_nobody_could_read_is_not_recorded():
     mechanism, rows = FakeMechanism(), []
     mechanism.stopping_time = 4 * PERIOD
