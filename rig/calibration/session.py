@@ -225,6 +225,8 @@ def conclude(
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
     findings, name = procedure.identify(seen, data, readings), procedure.name
     check_findings(procedure, findings, profile)
+    if not replace:
+        store.check_ours(profile, [finding.target for finding in findings])
     figures = draw_page(folder / FIGURES, f"calibration-{name}", findings, circumstances.origin)
     files = []
     contents = []
@@ -237,7 +239,7 @@ def conclude(
             old = None  # what nobody can trust is replaced; its history stays
         if not replace:
             store.check_not_worse(finding, name, old)
-        contents.append(store.compose(finding, name, profile, data, circumstances, old))
+        contents.append(store.compose(finding, name, profile, data, circumstances, old, search))
     for finding, content in zip(findings, contents, strict=True):
         files.append(store.write(search[0], profile.name, finding.target, content))
     return Calibrated(findings, files, figures)

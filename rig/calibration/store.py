@@ -15,6 +15,7 @@ from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
 from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
+from rig.config.ownership import owner_label
 from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
@@ -40,6 +41,7 @@ class _Origin(TypedDict):
     backend: NotRequired[str]
     residual_rms: NotRequired[float]
     blocks: NotRequired[int]
+    profile: NotRequired[str]
 
 
 class _Measurement(TypedDict):
@@ -107,6 +109,7 @@ def compose(
     data: Evidence,
     circumstances: Circumstances,
     old: Content | None,
+    search: Sequence[Path] = (),
 ) -> Content:
     """Return the content of a calibration file.
 
@@ -130,6 +133,7 @@ def compose(
         "backend": origin_of([circumstances.backend, *(m.get("backend", UNKNOWN) for m in kept)]),
         "seed": circumstances.seed,
         "serial": None if entry is None else entry.serial,
+        "profile": owner_label(profile.files, search),
         "samples": data.samples,
         "blocks": finding.blocks,
         "residual_rms": _short(rms),
@@ -199,6 +203,23 @@ def check_not_worse(finding: Finding, procedure: str, old: Content | None) -> No
             f"calibration in force {was:.4g}: a worse fit does not replace a better one unless "
             "it is told to (--replace)"
         )
+
+
+def check_ours(profile: Profile, targets: Sequence[str]) -> None:
+    """Refuse to write over calibrations that are another rig's of the same name.
+
+    Raises
+    ------
+    CalibrationRefused
+        With that rig's profile.
+    """
+    for target in targets:
+        if target in profile.foreign:
+            raise CalibrationRefused(
+                f"{target}: the calibration {profile.foreign[target].file} belongs to another "
+                f"rig: {profile.foreign[target].provenance.profile}; give this profile a name of "
+                "its own with name: NAME, or write over it with --replace"
+            )
 
 
 def write(
@@ -283,7 +304,9 @@ def find(search: Sequence[Path], rig: str, name: str) -> Path:
     raise ConfigurationError(f"no calibration of the rig {rig} is called {name!r}")
 
 
-def restore(search: Sequence[Path], rig: str, target: str, date: str) -> Path:
+def restore(
+    search: Sequence[Path], rig: str, target: str, date: str, owner: str | None = None
+) -> Path:
     """Put a kept calibration in force again; the one before it stays among the kept ones.
 
     Parameters
@@ -294,6 +317,9 @@ def restore(search: Sequence[Path], rig: str, target: str, date: str) -> Path:
         Whose calibration.
     date : str
         How its time starts, as its file's name has it.
+    owner : str, optional
+        The profile whose it is from now on, as `owner_label` has it: whoever puts it in force
+        says so. None: as the kept file says.
 
     Raises
     ------
@@ -308,10 +334,14 @@ def restore(search: Sequence[Path], rig: str, target: str, date: str) -> Path:
             f"{len(found)} calibrations of {target} are of {date}; "
             f"list them with: rig calibrate {rig} --restore {target}"
         )
-    load(found[0])  # its seal
+    content = load(found[0])  # its seal, too
+    text = found[0].read_text(encoding="utf-8")
+    if owner is not None and content["provenance"].get("profile", owner) != owner:
+        now = {**content, "provenance": {**content["provenance"], "profile": owner}}
+        text = seal(_HEADER.format("calibrate --restore") + dump_plain(now))
     path = search[0] / "calibration" / rig / f"{target}.yaml"
     try:
-        _put(path, found[0].read_text(encoding="utf-8"))
+        _put(path, text)
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
     return path
@@ -323,9 +353,9 @@ def _put(path: Path, text: str) -> None:
 
 
 def in_force(profile: Profile, search: Sequence[Path], target: str) -> Content | None:
-    """Return the calibration that is in force, None without one."""
+    """Return the calibration that is in force, None without one or with another rig's."""
     found = find_calibration(profile.name, target, search)
-    return None if found is None else load(found[0])
+    return None if found is None or target in profile.foreign else load(found[0])
 
 
 def history(search: Sequence[Path], rig: str, target: str) -> list[Path]:

@@ -151,7 +151,7 @@ def _calibrate(
     from rig.calibration.procedure import FilesOffered
     from rig.calibration.recording import CalibrationRefused, NoFiles, Recording, RigLacks
     from rig.calibration.session import conclude, read_instruments, recorded
-    from rig.calibration.store import check_writable
+    from rig.calibration.store import check_ours, check_writable
     from rig.run_facts import RunStatus
 
     backend, folders = backend_of(options["on"]), list(options["earlier"])
@@ -173,6 +173,8 @@ def _calibrate(
         if options["dry_run"]:
             return 0
         check_writable(search[0], profile.name)
+        if not options["replace"]:
+            check_ours(profile, procedure.targets(profile))
         if excitation is None:  # nothing moves, so nobody is asked
             folders = []
             data, folder = procedure.read_files(profile, files)

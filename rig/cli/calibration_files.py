@@ -14,11 +14,13 @@ from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 def show_history(search: Sequence[Path], rig: str, target: str, *, as_json: bool) -> int:
     """Show every kept calibration of a device, also those that cannot be used."""
     from rig.calibration.store import history, load
+    from rig.config import rig_name
     from rig.hal import ConfigurationError
 
-    kept = history(search, rig, target)
+    name = rig_name(rig, search)
+    kept = history(search, name, target)
     if not kept:
-        raise ConfigurationError(f"no calibration of {target} of the rig {rig} is kept")
+        raise ConfigurationError(f"no calibration of {target} of the rig {name} is kept")
     rows = []
     found: list[dict[str, object]] = []
     for path in kept:
@@ -44,8 +46,11 @@ def show_history(search: Sequence[Path], rig: str, target: str, *, as_json: bool
 
 
 def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> int:
-    """Put a kept calibration in force again; without a date, show what is kept."""
+    """Put a kept calibration in force again, as this rig's; without a date, show what is kept."""
     from rig.calibration import store
+    from rig.config import rig_name
+    from rig.config.names import find_file, is_path, list_files
+    from rig.config.ownership import owner_label
 
     target, slash, day = name.rpartition("/")
     if not slash:
@@ -54,7 +59,9 @@ def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> in
             f"put one in force again with: rig calibrate {rig} --restore {name}/DATE", err=True
         )
         return 0
-    path = store.restore(search, rig, target, day)
+    known = is_path(rig) or rig in list_files("rigs", search)
+    owner = owner_label([find_file(rig, "rigs", search)], search) if known else None
+    path = store.restore(search, rig_name(rig, search), target, day, owner)
     click.echo(f"in force again: {path}", err=True)
     if as_json:
         print_json({"in_force": path})
@@ -66,9 +73,10 @@ def show_difference(
 ) -> int:
     """Show what two calibrations measured differently, and whether that is more than chance."""
     from rig.calibration.store import find, load
-    from rig.config import format_quantity
+    from rig.config import format_quantity, rig_name
 
-    paths = [find(search, rig, name) for name in (one, other)]
+    of = rig_name(rig, search)
+    paths = [find(search, of, name) for name in (one, other)]
     a, b = ({m["name"]: m for m in load(path)["measured"]} for path in paths)
     rows, found = [], []
     for name in [*a, *(name for name in b if name not in a)]:

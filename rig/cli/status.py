@@ -140,6 +140,12 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
     stages = []
     today = datetime.now(UTC).date()
     for name, procedure in procedures(profile).items():
+        other = [of for of in procedure.targets(profile) if of in profile.foreign]
+        if other:
+            owner = profile.foreign[other[0]].provenance.profile
+            state = f"no: the calibration of its name belongs to another rig: {owner}"
+            stages.append(Milestone(f"calibrated: {name}", state, f"rig check {profile.argument}"))
+            continue
         found = []
         for target in procedure.targets(profile):
             content = store.in_force(profile, search, target)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rig.assembly import REGISTRY, Backend, check_profile, make_controller
 from rig.commissioning.derating import EFFORT, SPEED, SlowMotion, derated
-from rig.commissioning.record import CommissioningState, judge, load_record
+from rig.commissioning.record import CommissioningState, judge, load_record, whose
 from rig.commissioning.step import AcceptanceStep
 from rig.config import Profile, find_configs
 from rig.experiment.plan import Plan
@@ -103,11 +103,16 @@ def verdict_of(
         Folders of configurations; default: the profile's own, then the usual ones.
     """
     steps = REGISTRY.commissioning(profile.mechanism, AcceptanceStep)
+    places = configs_of(profile) if search is None else search
     try:
-        record = load_record(profile.name, configs_of(profile) if search is None else search)
+        record = load_record(profile.name, places)
     except ConfigurationError as error:
         trouble = f"the record of its commissioning cannot be used: {error}"
         return CommissioningState("", trouble, trouble)
+    other = whose(profile, record, [*configs_of(profile), *places])
+    if other:
+        lack = f"it was never commissioned: the record of its name belongs to another rig: {other}"
+        return CommissioningState("", lack)
     return judge(profile, record, [step.name for step in steps], backend.value)
 
 

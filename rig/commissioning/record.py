@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final, NamedTuple, TypedDict, cast
+from typing import Any, Final, NamedTuple, NotRequired, TypedDict, cast
 
 from rig.config import Profile
 from rig.config.calibration import check_seal, seal
 from rig.config.diagnostics import Problems
 from rig.config.dump import plain_of
+from rig.config.ownership import is_owner, owner_label
 from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_plain, read_source
 from rig.hal import ConfigurationError
@@ -43,6 +44,7 @@ class _Record(TypedDict):
     settings: str
     digest: str
     steps: dict[str, _Step]
+    profile: NotRequired[str]
 
 
 class CommissioningState(NamedTuple):
@@ -145,10 +147,18 @@ def read_answers(path: Path) -> dict[str, str]:
     return {str(key): str(value) for key, value in content.items()}
 
 
-def new_record(profile: Profile, backend: str, operator: str | None, until: str) -> Content:
+def new_record(
+    profile: Profile,
+    backend: str,
+    operator: str | None,
+    until: str,
+    search: Sequence[Path] = (),
+) -> Content:
     """Return a record without any step."""
+    owner = owner_label(profile.files, search)
     return {
         "rig": profile.name,
+        **({} if owner is None else {"profile": owner}),
         "operator": operator or getpass.getuser(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "valid_until": until,
@@ -176,6 +186,12 @@ def write_record(configs: Path, content: Content) -> Path:
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
     return path
+
+
+def whose(profile: Profile, content: Content | None, search: Sequence[Path]) -> str:
+    """Return whose a record is, if it is another rig's of the profile's name; else nothing."""
+    label = None if content is None else content.get("profile")
+    return "" if is_owner(label, profile.files, search) else str(label)
 
 
 def missing(content: Content, names: Sequence[str]) -> list[str]:

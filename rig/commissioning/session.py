@@ -14,6 +14,7 @@ from rig.commissioning.record import (
     missing,
     new_record,
     tested_settings,
+    whose,
     write_record,
 )
 from rig.commissioning.site import Site
@@ -67,10 +68,24 @@ def has_steps(profile: Profile) -> bool:
 def begin(
     profile: Profile, search: Sequence[Path], circumstances: CommissioningFacts, *, anew: bool
 ) -> Content:
-    """Return the record to go on with: the kept one, if it is of this rig as it is."""
+    """Return the record to go on with: the kept one, if it is of this rig as it is.
+
+    Raises
+    ------
+    ConfigurationError
+        The record of its name is another rig's, and not to be begun anew.
+    """
     kept = None if anew else load_record(profile.name, search)
+    other = whose(profile, kept, search)
+    if other:
+        raise ConfigurationError(
+            f"the record of the commissioning of {profile.name} belongs to another rig: {other}; "
+            "give this profile a name of its own with name: NAME, or write over it with --anew"
+        )
     until = datetime.now(UTC).date() + timedelta(days=circumstances.days)
-    new = new_record(profile, circumstances.backend, circumstances.operator, until.isoformat())
+    new = new_record(
+        profile, circumstances.backend, circumstances.operator, until.isoformat(), search
+    )
     if kept is None or any(kept[key] != new[key] for key in ("backend", "settings", "program")):
         return new
     return dict(kept)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         ReferenceEntry,
     )
     from rig.config.names import find_configs, find_file, list_files
-    from rig.config.profile import PROFILE_KEYS, load_profile
+    from rig.config.profile import PROFILE_KEYS, load_profile, rig_name
     from rig.config.schema import experiment_schema, profile_schema
     from rig.config.simulation_models import Perturbation, SimulationSettings
 
@@ -42,7 +42,7 @@ __all__ = [
     "Perturbation", "Profile", "ProfileError", "ReferenceEntry", "SimulationSettings",
     "dump_resolved", "experiment_schema", "find_configs", "find_file", "format_against",
     "format_quantity", "format_to", "list_files", "load_experiment", "load_profile",
-    "profile_schema",
+    "profile_schema", "rig_name",
 ]  # fmt: skip
 
 

@@ -37,7 +37,7 @@ class CalibrationState(NamedTuple):
 def calibration_states(
     profile: Profile, today: date, *, on_hardware: bool = False
 ) -> tuple[CalibrationState, ...]:
-    """Return the state of every calibration in force.
+    """Return the state of every calibration in force, and of those that are another rig's.
 
     Parameters
     ----------
@@ -61,7 +61,23 @@ def calibration_states(
         if on_hardware:
             problems = (*_strangeness(calibration), *problems)
         found.append(CalibrationState(name, calibration, problems, remedy))
+    for name, calibration in profile.foreign.items():
+        found.append(CalibrationState(name, calibration, (_not_ours(calibration),), _own(profile)))
     return tuple(found)
+
+
+def _not_ours(calibration: Calibration) -> str:
+    return (
+        f"({calibration.file}) belongs to another rig: {calibration.provenance.profile}, and is "
+        "not in force here"
+    )
+
+
+def _own(profile: Profile) -> str:
+    return (
+        f"name: NAME in {profile.argument}, a name of its own; if it is the same rig, moved: "
+        f"rig calibrate {profile.argument} --restore DEVICE/DATE"
+    )
 
 
 def _strangeness(calibration: Calibration) -> tuple[str, ...]:

@@ -76,6 +76,8 @@ class Provenance:
         Of the simulation.
     serial : int, optional
         Serial number of the device that was calibrated.
+    profile : str, optional
+        The profile's file, as `rig.config.ownership.owner_label` has it.
     samples : int, optional
         How many measurements it rests on.
     blocks : int, optional
@@ -105,6 +107,7 @@ class Provenance:
     backend: str | None = None
     seed: int | None = None
     serial: Annotated[int, Ge(0)] | None = None
+    profile: str | None = None
     samples: Annotated[int, Ge(1)] | None = None
     blocks: Annotated[int, Ge(1)] | None = None
     residual_rms: Annotated[float, Ge(0)] | None = None
@@ -219,6 +222,9 @@ class Profile:
         The mechanism's settings without it.
     tunings : dict
         What `rig tune` has laid over controllers' settings, by name; no part of its value.
+    foreign : dict
+        Calibrations that lie under the profile's name and are another rig's: not in force, by
+        device, mechanism or ``controllers.LAW``; no part of its value.
     places : dict
         Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
     additions : tuple of str
@@ -240,6 +246,7 @@ class Profile:
     calibration: Calibration | None = None
     uncalibrated: object = None
     tunings: dict[str, Calibration] = field(default_factory=dict, compare=False)
+    foreign: dict[str, Calibration] = field(default_factory=dict, compare=False)
     places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
     additions: tuple[str, ...] = ()
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, NamedTuple
 
 from annotated_types import Ge
 
@@ -31,7 +31,8 @@ from rig.config.models import (
     Profile,
 )
 from rig.config.named_settings import Registry, controller_key, controller_names
-from rig.config.names import find_file, is_name
+from rig.config.names import find_file, is_name, is_path, list_files
+from rig.config.ownership import is_owner
 from rig.config.settings import build
 from rig.config.simulation_models import SimulationSettings
 
@@ -135,14 +136,40 @@ def load_profile(
     rig = _name(root, path, problems)
     # A profile outside of the folders that are searched still finds its own calibrations.
     folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
-    calibrated, calibrations, files = _calibrate(document.root, root, rig, folders, problems)
+    laid = _calibrate(document.root, root, rig, document.files, folders, problems)
+    calibrated, calibrations, foreign, files = laid
     bare = root
     root = apply_overrides(calibrated, options, problems)
-    reader = _Reader(root, registry, problems, calibrations, bare)
+    reader = _Reader(root, registry, problems, calibrations, foreign, bare)
     profile = reader.read(rig, (*document.files, *files))
     problems.raise_if_any()
     assert profile is not None
     return profile
+
+
+def rig_name(source: str, search: Sequence[Path]) -> str:
+    """Return the name that a rig's calibrations are kept under; none of them is read.
+
+    Parameters
+    ----------
+    source : str
+        A rig's name, or the path of a file.
+    search : sequence of Path
+        The folders of configurations.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such file, or it says no name that a folder may have. A name that no file has
+        is taken as it is: calibrations may outlive their profile.
+    """
+    if not is_path(source) and source not in list_files("rigs", search):
+        return source
+    path = find_file(source, "rigs", search)
+    problems = Problems()
+    name = _name(load_document(path, "rigs", search, problems).root, path, problems)
+    problems.raise_if_any()
+    return name
 
 
 def _name(root: Node, path: Path, problems: Problems) -> str:
@@ -157,15 +184,31 @@ def _name(root: Node, path: Path, problems: Problems) -> str:
     return ""
 
 
+class _Laid(NamedTuple):
+    """A document with its calibrations, those that are another rig's, and what was read."""
+
+    document: Node
+    calibrations: dict[str, Calibration]
+    foreign: dict[str, Calibration]
+    files: list[Path]
+
+
 def _calibrate(
-    written: Node, root: Node, rig: str, search: Sequence[Path], problems: Problems
-) -> tuple[Node, dict[str, Calibration], list[Path]]:
+    written: Node,
+    root: Node,
+    rig: str,
+    own: Sequence[Path],
+    search: Sequence[Path],
+    problems: Problems,
+) -> _Laid:
     """Lay the calibration files over the devices, before any option.
 
-    Whether a device wants one is read with the options (`root`), where its values go without
-    (`written`).
+    One that was measured for another profile of the rig's name than the files of its `own` is
+    left where it is. Whether a device wants one is read with the options (`root`), where its
+    values go without (`written`).
     """
     calibrations: dict[str, Calibration] = {}
+    foreign: dict[str, Calibration] = {}
     files: list[Path] = []
     for name, keys, wanted in _calibratable(root) if rig else ():
         below, taken = written.descend(keys)
@@ -185,6 +228,16 @@ def _calibrate(
                 )
             continue
         read = read_calibration(*found, problems)
+        if read is not None and not is_owner(read[1].provenance.profile, own, search):
+            foreign[name] = read[1]
+            if wish is True and choice is not None and not name.startswith(TUNED):
+                problems.add(
+                    choice.mark,
+                    f"the calibration of {name} belongs to another rig: "
+                    f"{read[1].provenance.profile}",
+                    "give this profile a name of its own with name:",
+                )
+            continue
         files.append(found[0])
         if read is not None:
             values, calibration = read
@@ -192,7 +245,7 @@ def _calibrate(
             calibrations[name] = replace(calibration, replaced=values.plain())
             laid = Override(keys, lay_over(below, values))
             written = apply_overrides(written, [laid], problems)
-    return written, calibrations, files
+    return _Laid(written, calibrations, foreign, files)
 
 
 def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:
@@ -221,11 +274,13 @@ class _Reader(Sections):
         registry: Registry,
         problems: Problems,
         calibrations: dict[str, Calibration],
+        foreign: dict[str, Calibration],
         bare: Node,
     ) -> None:
         keys = (*PROFILE_KEYS, *registry.names("mechanism"))
         super().__init__(root, keys, registry, problems)
         self._calibrations = calibrations
+        self._foreign = foreign
         self._bare = bare
 
     def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
@@ -264,6 +319,7 @@ class _Reader(Sections):
             uncalibrated=uncalibrated,
             places=dict(places_of(self.root)),
             additions=head.additions,
+            foreign=self._foreign,
             tunings={
                 name.removeprefix(TUNED): calibration
                 for name, calibration in self._calibrations.items()

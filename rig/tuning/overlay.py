@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rig.calibration.store import in_force, write
 from rig.config.calibration import STATED
+from rig.config.ownership import owner_label
 from rig.config.profile import TUNED
 from rig.sweeping.code import code_version
 from rig.tuning.gains import nested
@@ -55,6 +56,7 @@ def put_in_force(
         "operator": operator,
         "backend": _origin(bench),
         "seed": request.seed,
+        "profile": owner_label(bench.profile.files, search),
         "parent": None if old is None else old["provenance"]["date"],
         "valid_until": (now + timedelta(days=_HOLDS)).date().isoformat(),
         "software": f"rig-controller {metadata.version('rig-controller')}",
