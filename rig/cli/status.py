@@ -174,7 +174,7 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
 
 def _tuned(profile: Profile) -> list[Milestone]:
     from rig.assembly import REGISTRY
-    from rig.config.profile import TUNED
+    from rig.config.laid_over import TUNED
 
     if REGISTRY.bench(profile.mechanism) is None:
         return []

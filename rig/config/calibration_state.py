@@ -4,8 +4,8 @@ from datetime import date, datetime
 from typing import NamedTuple
 
 from rig.config.calibration import HARDWARE, STATED, UNKNOWN
+from rig.config.laid_over import TUNED
 from rig.config.models import Calibration, Profile
-from rig.config.profile import TUNED
 
 
 class CalibrationState(NamedTuple):

@@ -1,26 +1,24 @@
 """Load a profile, its calibrations and the options over it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Final
 
 from annotated_types import Ge
 
 from rig.config.calibration import (
     COMMON_KEYS,
-    find_calibration,
-    lay_over,
     pruned,
-    read_calibration,
     read_provenance,
     with_replaced,
 )
 from rig.config.code_sections import Sections
 from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
-from rig.config.document import Override, apply_overrides, load_document, parse_overrides
+from rig.config.document import apply_overrides, load_document, parse_overrides
 from rig.config.dump import as_plain
+from rig.config.laid_over import TUNED, lay_calibrations
 from rig.config.located import BROKEN, Node, places_of
 from rig.config.models import (
     BusEntry,
@@ -32,7 +30,6 @@ from rig.config.models import (
 )
 from rig.config.named_settings import Registry, controller_key, controller_names
 from rig.config.names import find_file, is_name, is_path, list_files
-from rig.config.ownership import is_owner
 from rig.config.settings import build
 from rig.config.simulation_models import SimulationSettings
 
@@ -42,9 +39,6 @@ PROFILE_KEYS: Final = (
 )  # fmt: skip
 """Top-level keys of a profile, besides the one that its mechanism's name makes."""
 
-
-TUNED: Final = "controllers."
-"""Before a law's name in the name of the file that holds the gains that were found for it."""
 
 DEFAULT_PROTOCOL: Final = "canopen"
 """What is spoken on a bus whose entry does not say."""
@@ -136,7 +130,7 @@ def load_profile(
     rig = _name(root, path, problems)
     # A profile outside of the folders that are searched still finds its own calibrations.
     folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
-    laid = _calibrate(document.root, root, rig, document.files, folders, problems)
+    laid = lay_calibrations(document.root, root, rig, document.files, folders, problems)
     calibrated, calibrations, foreign, files = laid
     bare = root
     root = apply_overrides(calibrated, options, problems)
@@ -182,87 +176,6 @@ def _name(root: Node, path: Path, problems: Problems) -> str:
         node.mark, f"name is {shown(node.plain())}, expected a name that a folder may have"
     )
     return ""
-
-
-class _Laid(NamedTuple):
-    """A document with its calibrations, those that are another rig's, and what was read."""
-
-    document: Node
-    calibrations: dict[str, Calibration]
-    foreign: dict[str, Calibration]
-    files: list[Path]
-
-
-def _calibrate(
-    written: Node,
-    root: Node,
-    rig: str,
-    own: Sequence[Path],
-    search: Sequence[Path],
-    problems: Problems,
-) -> _Laid:
-    """Lay the calibration files over the devices, before any option.
-
-    One that was measured for another profile of the rig's name than the files of its `own` is
-    left where it is. Whether a device wants one is read with the options (`root`), where its
-    values go without (`written`).
-    """
-    calibrations: dict[str, Calibration] = {}
-    foreign: dict[str, Calibration] = {}
-    files: list[Path] = []
-    for name, keys, wanted in _calibratable(root) if rig else ():
-        below, taken = written.descend(keys)
-        choice = wanted.get("calibration")
-        wish = None if choice is None else choice.value
-        if taken != keys or not isinstance(below.value, dict):
-            continue
-        if wish is False or isinstance(wish, dict):
-            continue  # refused, or already laid over: a resolved profile
-        found = find_calibration(rig, name, search)
-        if found is None:
-            if wish is True and choice is not None and not name.startswith(TUNED):
-                problems.add(
-                    choice.mark,
-                    f"{name} has no calibration calibration/{rig}/{name}.yaml",
-                    "calibrate it, or go without with calibration: false",
-                )
-            continue
-        read = read_calibration(*found, problems)
-        if read is not None and not is_owner(read[1].provenance.profile, own, search):
-            foreign[name] = read[1]
-            if wish is True and choice is not None and not name.startswith(TUNED):
-                problems.add(
-                    choice.mark,
-                    f"the calibration of {name} belongs to another rig: "
-                    f"{read[1].provenance.profile}",
-                    "give this profile a name of its own with name:",
-                )
-            continue
-        files.append(found[0])
-        if read is not None:
-            values, calibration = read
-            # Its keys, for now: what stood under them is known when the settings are read.
-            calibrations[name] = replace(calibration, replaced=values.plain())
-            laid = Override(keys, lay_over(below, values))
-            written = apply_overrides(written, [laid], problems)
-    return _Laid(written, calibrations, foreign, files)
-
-
-def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:
-    """Yield what may be calibrated: its name, its keys, and the entry that says if it wants to."""
-    devices, mechanism = root.get("devices"), root.get("mechanism")
-    if devices is not None and isinstance(devices.value, dict):
-        for name, entry in devices.value.items():
-            if is_name(name):
-                yield name, ("devices", name), entry
-    if mechanism is not None and isinstance(mechanism.value, str):
-        # The whole profile says whether its mechanism wants one: its section is its settings.
-        yield mechanism.value, (mechanism.value,), root
-    controllers = root.get("controllers")
-    if controllers is not None and isinstance(controllers.value, dict):
-        for name in controllers.value:
-            if is_name(name):
-                yield f"{TUNED}{name}", ("controllers", name), root
 
 
 class _Reader(Sections):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rig.calibration.store import in_force, write
 from rig.config.calibration import STATED
+from rig.config.laid_over import TUNED
 from rig.config.ownership import owner_label
-from rig.config.profile import TUNED
 from rig.sweeping.code import code_version
 from rig.tuning.gains import nested
 from rig.tuning.verdict import EnsembleVerdict
