@@ -179,6 +179,15 @@ class Procedure(Protocol[Data]):
         """Return the reference instruments that somebody has to read; default: none."""
         return ()
 
+    def check_rig(self, profile: Profile) -> None:
+        """Refuse a rig that has not what the procedure takes, before any motion is made.
+
+        Raises
+        ------
+        RigLacks
+            It has not; says what it takes. Default: any rig has.
+        """
+
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation | None:
         """Return what is to be done without the stretches that are done; None: nothing moves.
 

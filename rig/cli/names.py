@@ -56,6 +56,19 @@ def _need_experiment(ctx: click.Context, param: click.Parameter, value: str | No
     return value
 
 
+def need_rig(ctx: click.Context, param: click.Parameter, value: str | None) -> str:
+    """Return the name of a profile; who gives none is told what there is."""
+    if value is None:
+        from rig.config.names import find_configs, list_files
+
+        names = list_files("rigs", find_configs(ctx.params.get("configs")))
+        raise click.UsageError(
+            f"Which RIG? There are: {', '.join(names)}. `rig list rigs` describes them; the path "
+            "of a YAML file will do as well."
+        )
+    return value
+
+
 experiment_argument = click.argument(
     "experiment", required=False, callback=_need_experiment, shell_complete=complete_experiment
 )

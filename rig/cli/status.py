@@ -5,15 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
+from rig.cli.names import (
+    complete_rig,
+    configs_option,
+    json_option,
+    need_rig,
+    out_option,
+    set_option,
+)
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
+    from rig.calibration.procedure import AnyProcedure
     from rig.config import Profile
+
+
+_RUN: Final = "rig run EXPERIMENT --on hardware"
 
 
 class Milestone(NamedTuple):
@@ -35,7 +46,7 @@ class Milestone(NamedTuple):
 
 
 @click.command()
-@click.argument("rig", shell_complete=complete_rig)
+@click.argument("rig", required=False, callback=need_rig, shell_complete=complete_rig)
 @out_option
 @set_option
 @configs_option
@@ -45,8 +56,8 @@ def status(
 ) -> int:
     """Show how far RIG has come on its way to hardware, and which command comes next.
 
-    Nothing is opened: `rig doctor RIG` looks at the computer, `rig check RIG --on hardware` at
-    who answers.
+    Nothing is sent to the rig: `rig doctor RIG` says all that there is to say of the computer,
+    `rig check RIG --on hardware` who answers.
     """
     from rig.assembly import REGISTRY
     from rig.config import load_profile
@@ -54,7 +65,7 @@ def status(
 
     search = find_configs(configs)
     profile = load_profile(rig, REGISTRY, overrides, search)
-    steps = way(profile, search)
+    steps = way(profile, search, out)
     stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
     title = ", ".join(filter(None, (profile.name, profile.description)))
     following = _following(steps)
@@ -69,11 +80,22 @@ def status(
     return 0
 
 
-def way(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
-    """Return the milestones on a rig's way to hardware, in their order."""
+def way(profile: Profile, search: Sequence[Path], out: Path | None = None) -> list[Milestone]:
+    """Return the milestones on a rig's way to hardware, in their order.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    search : sequence of Path
+        The folders of configurations.
+    out : Path, optional
+        Where runs are kept. Without it the computer is left out: the rig has just moved on it.
+    """
     return [
         *_valid(profile),
         _latch(profile),
+        *([] if out is None else [_computer(profile, out)]),
         _commissioned(profile, search),
         *_calibrated(profile, search),
         *_tuned(profile),
@@ -81,7 +103,7 @@ def way(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
 
 
 def _following(stages: Sequence[Milestone]) -> str:
-    return next((stage.remedy for stage in stages if stage.remedy), "")
+    return next((stage.remedy for stage in stages if stage.remedy), _RUN)
 
 
 def tell_next(profile: Profile, search: Sequence[Path]) -> None:
@@ -90,7 +112,7 @@ def tell_next(profile: Profile, search: Sequence[Path]) -> None:
         if stage.remedy:
             click.echo(f"next: {stage.remedy}  ({stage.what}: {stage.state})", err=True)
             return
-    click.echo("next: rig run EXPERIMENT --on hardware  (nothing is missing)", err=True)
+    click.echo(f"next: {_RUN}  (nothing is missing)", err=True)
 
 
 def _valid(profile: Profile) -> list[Milestone]:
@@ -107,6 +129,20 @@ def _valid(profile: Profile) -> list[Milestone]:
     return []
 
 
+def _computer(profile: Profile, out: Path) -> Milestone:
+    """Return whether this computer has what the rig does not run on hardware without."""
+    from rig.doctor.computer import look_at_computer
+    from rig.doctor.look import Fitness
+    from rig.doctor.wiring import look_at_wiring
+
+    looks = [*look_at_computer(out, profile.loop.priority), *look_at_wiring(profile)]
+    lacking = [f"{look.what}: {look.found}" for look in looks if look.verdict is Fitness.NO]
+    if lacking:
+        more = f", and {len(lacking) - 1} more" if len(lacking) > 1 else ""
+        return Milestone("computer", f"no: {lacking[0]}{more}", f"rig doctor {profile.argument}")
+    return Milestone("computer", "nothing is missing without which it does not run")
+
+
 def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
     from rig.assembly import Backend
     from rig.commissioning.permission import verdict_of
@@ -118,7 +154,7 @@ def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
         )
     verdict = verdict_of(profile, Backend.HARDWARE, search)
     if verdict.lack:
-        remedy = f"rig commission {profile.argument} --on hardware --yes {profile.name}"
+        remedy = f"rig commission {profile.argument} --on hardware"
         return Milestone("commissioned", f"no: {verdict.lack}", remedy)
     return Milestone("commissioned", f"yes, {verdict.digest}")
 
@@ -151,7 +187,11 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
             content = store.in_force(profile, search, target)
             entries = [] if content is None else content["measured"]
             found.append([entry for entry in entries if entry["procedure"] == name])
-        remedy = f"rig calibrate {profile.argument} {name} --on hardware --yes {profile.name}"
+        remedy = f"rig calibrate {profile.argument} {name} --on hardware"
+        lack = "" if all(found) else _lack(procedure, profile)
+        if lack:
+            stages.append(Milestone(f"calibrated: {name}", f"not on this rig: {lack}"))
+            continue
         if not all(found):
             stages.append(Milestone(f"calibrated: {name}", f"no ({procedure.title})", remedy))
             continue
@@ -170,6 +210,17 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
         else:
             stages.append(Milestone(f"calibrated: {name}", state))
     return stages
+
+
+def _lack(procedure: AnyProcedure, profile: Profile) -> str:
+    """Return what the rig lacks for a procedure, which is nothing that is missing then."""
+    from rig.calibration.recording import RigLacks
+
+    try:
+        procedure.check_rig(profile)
+    except RigLacks as lack:
+        return str(lack).partition(";")[0]
+    return ""
 
 
 def _tuned(profile: Profile) -> list[Milestone]:

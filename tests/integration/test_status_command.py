@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from rig.calibration import store
 from rig.cli.status import status
 from rig.commissioning.record import CommissioningState
+from rig.doctor.look import Fitness, Look
 from rig.experiment.fault_latch import FaultLatch
 
 COMMISSIONS = True
@@ -31,6 +32,12 @@ def configs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a name is found here
     shutil.copytree(CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration"))
     return tmp_path / "configs"
+
+
+@pytest.fixture(autouse=True)
+def wired(monkeypatch):
+    """Take the CAN interfaces for up: no test has them."""
+    monkeypatch.setattr("rig.doctor.wiring.look_at_wiring", lambda _: iter(()))
 
 
 def keep(configs, *procedures, backend="hardware", days=365):
@@ -74,13 +81,14 @@ def stages(configs):
 
 def test_a_fresh_rig_is_commissioned_first(configs, monkeypatch):
     found, following = stages(configs)
-    assert following == "rig commission cylinder --on hardware --yes cylinder"
+    assert following == "rig commission cylinder --on hardware"
     assert found["commissioned"].startswith("no: it was never commissioned")
     be_commissioned(monkeypatch)
     found, following = stages(configs)
     assert found["commissioned"] == "yes, 0123abcd"
-    assert following == "rig calibrate cylinder regulators --on hardware --yes cylinder"
-    assert all(found[f"calibrated: {name}"].startswith("no (") for name in PROCEDURES)
+    assert following == "rig calibrate cylinder regulators --on hardware"
+    found_first = [name for name in PROCEDURES if name != "leak"]
+    assert all(found[f"calibrated: {name}"].startswith("no (") for name in found_first)
     assert found["last fault"] == "none is latched"
     assert found["last run on hardware"] == "-"
     assert "crossover" in found["loop of cascade"]
@@ -92,7 +100,7 @@ def test_the_first_procedure_that_is_missing_comes_next(configs, monkeypatch):
     be_commissioned(monkeypatch)
     keep(configs, "regulators", "encoders", "wires")
     found, following = stages(configs)
-    assert following == "rig calibrate cylinder response --on hardware --yes cylinder"
+    assert following == "rig calibrate cylinder response --on hardware"
     assert found["calibrated: wires"].startswith(f"{TODAY:%Y-%m-%d}, on hardware, until ")
     assert found["calibrated: response"].startswith("no (")
 
@@ -114,7 +122,37 @@ def test_what_hardware_does_not_take_comes_again(configs, monkeypatch, changes, 
     keep(configs, *PROCEDURES, **changes)
     found, following = stages(configs)
     assert words in found["calibrated: regulators"]
-    assert following == "rig calibrate cylinder regulators --on hardware --yes cylinder --replace"
+    assert following == "rig calibrate cylinder regulators --on hardware --replace"
+
+
+def test_what_a_rig_cannot_be_calibrated_for_is_not_missing(configs, monkeypatch):
+    be_commissioned(monkeypatch)
+    keep(configs, *(name for name in PROCEDURES if name != "leak"))
+    found, following = stages(configs)
+    assert found["calibrated: leak"].startswith("not on this rig: the air of agonist")
+    assert following == "rig tune cylinder"
+
+
+def test_the_computer_comes_before_the_acceptance_test(configs, monkeypatch):
+    missing = Look("bus can0, socketcan can0", "there is no can0", Fitness.NO, "plug it in")
+    monkeypatch.setattr("rig.doctor.wiring.look_at_wiring", lambda _: iter([missing]))
+    found, following = stages(configs)
+    assert found["computer"] == "no: bus can0, socketcan can0: there is no can0"
+    assert following == "rig doctor cylinder"
+
+
+def test_no_advice_skips_what_an_operator_types(configs, monkeypatch):
+    for _ in range(2):
+        shown = json.loads(show(configs, "--json").stdout)
+        assert "--yes" not in json.dumps(shown)
+        be_commissioned(monkeypatch)
+
+
+def test_who_names_no_rig_is_told_which_there_are(configs):
+    told = CliRunner().invoke(status, ["--configs", str(configs)])
+    assert told.exit_code == 2
+    assert "Which RIG? There are: " in told.output
+    assert "joint-valves" in told.output
 
 
 def test_a_latched_fault_comes_before_everything(configs):
@@ -149,9 +187,7 @@ def test_the_last_run_of_each_kind_is_shown(configs):
 def test_a_rig_beside_no_folder_of_rigs_is_named_by_its_path(configs, tmp_path):
     (tmp_path / "ours.yaml").write_text("extends: cylinder\ndescription: ours\n")
     found = CliRunner().invoke(status, ["ours.yaml", "--json"], standalone_mode=False)
-    command = json.loads(found.stdout)["next"].split()
-    assert command[:3] == ["rig", "commission", "ours.yaml"]
-    assert command[-2:] == ["--yes", "ours"]
+    assert json.loads(found.stdout)["next"] == "rig commission ours.yaml --on hardware"
 
 
 def test_a_profile_that_check_refuses_is_not_sent_on(configs):

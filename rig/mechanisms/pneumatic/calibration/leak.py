@@ -104,6 +104,16 @@ class Leak(PneumaticProcedure):
     name = "leak"
     title = "leak of the chambers, locked in for a while"
 
+    def check_rig(self, profile: Profile) -> None:
+        """Refuse a rig whose chambers cannot be locked.
+
+        Raises
+        ------
+        RigLacks
+            A chamber cannot be: says which, and what it takes.
+        """
+        _check_locks(self._of(profile))
+
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the waits that are not done.
 
@@ -112,8 +122,8 @@ class Leak(PneumaticProcedure):
         RigLacks
             A chamber cannot be locked: says which, and what it takes.
         """
+        self.check_rig(profile)
         pneumatics = self._of(profile)
-        _check_locks(pneumatics)
         cycles = _cycles(pneumatics, done)
         wider, notes = pneumatics.with_wider_limits()
         wider, more = self._of(wider).with_blind_monitors(_GIVE)
