@@ -187,6 +187,7 @@ class Procedure(Protocol[Data]):
         RigLacks
             It has not; says what it takes. Default: any rig has.
         """
+        return
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation | None:
         """Return what is to be done without the stretches that are done; None: nothing moves.

@@ -54,12 +54,17 @@ class Regulators(PneumaticProcedure):
             for channel in pneumatics.channels
         )
 
+    def check_rig(self, profile: Profile) -> None:
+        """Refuse a rig on proportional valves."""
+        why = "an opening is no set-point of a pressure: calibrate valves"
+        self._of(profile).need_regulators(why)
+
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
+        self.check_rig(profile)
         names: list[str] = []
         levels: list[float] = []
         pneumatics = self._of(profile)
-        pneumatics.need_regulators("an opening is no set-point of a pressure: calibrate valves")
         for sweep in range(SWEEPS):
             steps = list(_sweep(pneumatics, sweep))
             if all(name in done for name, _, _ in steps):
