@@ -60,7 +60,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     from rig.config.names import find_configs
     from rig.sweeping.errors import SweepStopped
     from rig.tuning.search import GainSearch
-    from rig.tuning.verdict import judge, objections
+    from rig.tuning.verdict import judge, objections, trades
     from rig.tuning.workbench import Request, Workbench
 
     configs = options["configs"]
@@ -93,11 +93,14 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     _draw(folder, found, now, before)
     for objection in against:
         click.echo(f"against these gains: {objection}", err=True)
+    traded = trades(now, before, bench.unit)
+    for sentence in traded:
+        click.echo(sentence, err=True)
     file = _apply(bench, request, now, find_configs(configs), options) if is_put else None
     if options["as_json"]:
         print_json({
             "folder": folder, "unit": bench.unit, "before": _as_data(before), "now": _as_data(now),
-            "objections": against, "file": file,
+            "objections": against, "trades": traded, "file": file,
         })  # fmt: skip
     if options["dry_run"]:
         return 0
@@ -138,14 +141,16 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
-    from rig.tuning.search import GENERATION
+    from rig.tuning.search import FIRST_LOOK, GENERATION
 
     bounds = ", ".join(
         f"{name} {low:g} to {high:g}" for name, (low, high) in bench.ensemble.bounds.items()
     )
     click.echo(
-        f"{len(bench.tunables)} gains, {generations} generations of {GENERATION}, each on several "
-        f"plants for {bench.duration:.0f} s; {len(bench.ensemble.corners())} plants in all: "
+        f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look "
+        f"anywhere, then {generations} that go on from the best: "
+        f"{(FIRST_LOOK + generations) * GENERATION} trials, each on several plants for "
+        f"{bench.duration:.0f} s; {len(bench.ensemble.corners())} plants in all: "
         f"{bounds}",
         err=True,
     )

@@ -13,7 +13,7 @@ REVERSALS: Final = 25.0
 """So often may a setpoint turn round by 25 kPa, 1/s: a valve's life is counted in them."""
 STRAYED: Final = 0.8
 """More than this share of the error that stops a rig is too much on any plant."""
-_QUIET: Final = 0.1e-3
+QUIET: Final = 0.1e-3
 """More motion than this in a hold is hunting, SI."""
 _FINEST: Final = 1e-6
 """Errors below this are none, SI."""
@@ -55,7 +55,7 @@ def score(trials: Sequence[Trial], margins: Sequence[ClosedLoop]) -> Score:
     worst = {name: max(trial.errors[name] for trial in trials) for name in nominal}
     errors = _mean_log(nominal.values()) + _WORST * _mean_log(worst.values())
     over = [max(0.0, trial.reversals - REVERSALS) * _PER_REVERSAL for trial in trials]
-    hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / _QUIET)) for trial in trials]
+    hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / QUIET)) for trial in trials]
     near = max((margin.sensitivity - SENSITIVITY for margin in margins), default=0.0)
     strays = [max(0.0, trial.strayed - STRAYED) for trial in trials]
     overstepped = (sum(over) + sum(hunts)) / len(trials) + max(over) + sum(strays) + max(strays)

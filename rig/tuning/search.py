@@ -34,7 +34,7 @@ _STEPS: Final = (0.2, 0.12, 0.06)
 """Of each part of the search as it begins, as a share of the bounds."""
 _MORE: Final = 2
 """So many plants come in before each part but the first: those that the best gains bear least."""
-_FIRST_LOOK: Final = 4
+FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
@@ -96,7 +96,7 @@ class GainSearch:
             It cannot go on; what was judged is kept.
         """
         setup = WorkerSetup(PERFORM, self._code, self._folder.resolve() / "workers.log")
-        progress = SweepProgress((self._generations + _FIRST_LOOK) * GENERATION)
+        progress = SweepProgress((self._generations + FIRST_LOOK) * GENERATION)
         with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
             judge = _Judge(self._text, self._code, self._folder, journal, pool, progress)
             try:
@@ -134,7 +134,7 @@ class GainSearch:
         places: list[list[float]] = self._rng.uniform(size=(_PLACES, count)).tolist()
         nearness = [self._nearness(place) for place in places]
         order = sorted(range(_PLACES), key=lambda number: nearness[number])
-        return [places[number] for number in order[: _FIRST_LOOK * GENERATION - 1]]
+        return [places[number] for number in order[: FIRST_LOOK * GENERATION - 1]]
 
     def _nearness(self, place: Sequence[float]) -> float:
         """Return how near the loop at a place is to instability; infinite: there is none."""

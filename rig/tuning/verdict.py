@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rig.config import format_quantity
 from rig.hal.bench import Trial
 from rig.hal.closed_loop import ClosedLoop
 from rig.tuning.ensemble import Member
-from rig.tuning.score import SENSITIVITY, score
+from rig.tuning.score import QUIET, REVERSALS, SENSITIVITY, score
 from rig.tuning.workbench import Workbench
 
 DRAWN = 200
@@ -122,3 +123,54 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
     if now.cost >= before.cost:
         found.append(f"they cost {now.cost:.3f}, those in force {before.cost:.3f}")
     return found
+
+
+def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence[str]:
+    """Return which bounds gains miss, and what is worse with them than with those before.
+
+    The cost weighs all of it; neither speaks against gains whose cost is less.
+
+    Parameters
+    ----------
+    now, before : EnsembleVerdict
+        The gains that were found, and those in force.
+    unit : str
+        Of errors and of motion in a hold, SI.
+    """
+
+    def text(value: float) -> str:
+        return format_quantity(value, unit)
+
+    found = []
+    if now.hunting > QUIET:
+        found.append(
+            f"bound missed: {text(now.hunting)} of hunting on the worst plant, and at most "
+            f"{text(QUIET)} is asked for (before: {text(before.hunting)})"
+        )
+    if now.reversals > REVERSALS:
+        found.append(
+            f"bound missed: {now.reversals:.1f} reversals a second on the worst plant, and at most "
+            f"{REVERSALS:g} are asked for (before: {before.reversals:.1f})"
+        )
+    worse = [
+        f"{name} {text(old)} to {text(new)}"
+        for name, old, new in _compared(now, before)
+        if new > old
+    ]
+    if before.robust > now.robust:
+        worse.append(f"drawn plants with margin {before.robust:.0%} to {now.robust:.0%}")
+    if worse and now.cost < before.cost:
+        found.append(f"traded for a lower cost, worse than before: {', '.join(worse)}")
+    return found
+
+
+def _compared(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[tuple[str, float, float]]:
+    """Return what both were measured by: its name, before, and now; all but what was lost."""
+    rows = [("worst hunting", before.hunting, now.hunting)]
+    for name in now.nominal.errors:
+        rows += [
+            (f"error as told, {name}", before.nominal.errors.get(name, np.inf),
+             now.nominal.errors[name]),
+            (f"worst error, {name}", before.worst(name)[0], now.worst(name)[0]),
+        ]  # fmt: skip
+    return [row for row in rows if np.isfinite(row[1:]).all()]
