@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import OneOf, configs_option, json_option
+from rig.cli.names import OneOf, complete_rig, configs_option, json_option
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -40,15 +40,19 @@ def faults() -> None:
 
 
 @faults.command("list")
-@click.argument("rig")
+@click.argument("rig", shell_complete=complete_rig)
+@click.option(
+    "--experiment", metavar="NAME|FILE", help="Look at it in this one; default: one of the rig's."
+)
 @configs_option
 @json_option
-def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
+def list_kinds(rig: str, experiment: str | None, configs: Path | None, as_json: bool) -> int:
     """Say what can break on RIG, where, how much, and why it may go unseen; and what cannot."""
     from rig.faults.catalogue import kind_named, kinds_for, refused_for
     from rig.faults.survey import experiments_of, survey
 
-    subject = survey(rig, experiments_of(rig, configs)[:1], configs)
+    found = (experiment,) if experiment else experiments_of(rig, configs, any_world=True)
+    subject = survey(rig, found[:1], configs)
     header = ("fault", "what", "where", "magnitude", "in simulation.faults", "why it may go unseen")
     rows = [
         (

@@ -46,8 +46,18 @@ class _Look(Watcher):
                 signal.raise_signal(signal.SIGINT)
 
 
-def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
+def experiments_of(rig: str, configs: Path | None, *, any_world: bool = False) -> tuple[str, ...]:
     """Return the experiments whose rig this is, or else those of rigs with its plant, by name.
+
+    Parameters
+    ----------
+    rig : str
+        A name, or the path of a file: then also the experiments beside that file that name it.
+    configs : Path or None
+        The folder of configurations.
+    any_world : bool
+        If there is none, take those of rigs with its mechanism: enough to look at what it has,
+        not to break it in.
 
     Raises
     ------
@@ -58,11 +68,24 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     find_file(rig, "rigs", search)  # an unknown rig is not one without experiments
     if is_path(rig):  # as another one that extends it or a base of it would be run
         base = name_under("extends", rig, "rigs", search)
-        return _running_on(rig if base is None else base, configs, rig)
-    return _running_on(rig, configs, rig)
+        of = rig if base is None else base
+        return _running_on(of, configs, rig, any_world=any_world)
+    return _running_on(rig, configs, rig, any_world=any_world)
 
 
-def _running_on(rig: str, configs: Path | None, asked: str) -> tuple[str, ...]:
+def _beside(asked: Path) -> tuple[str, ...]:
+    """Return the experiments in the folder of a profile that name its file as their rig."""
+    found = []
+    for path in sorted(asked.parent.glob("*.yaml")):
+        own = None
+        with contextlib.suppress(ConfigurationError):  # one that is no YAML is nobody's
+            own = rig_of(path)
+        if own is not None and is_path(own) and Path(own).resolve() == asked.resolve():
+            found.append(str(path))
+    return tuple(found)
+
+
+def _running_on(rig: str, configs: Path | None, asked: str, *, any_world: bool) -> tuple[str, ...]:
     search = find_configs(configs)
     # Their files are read and no more: of what other rigs name nothing runs.
     rigs = {name: rig_of(name, search) for name in list_files("experiments", search)}
@@ -75,6 +98,13 @@ def _running_on(rig: str, configs: Path | None, asked: str) -> tuple[str, ...]:
 
         named = {own for own in rigs.values() if own is not None}
         alike = {own for own in named if world_of(own) == world_of(rig)}
+        found = tuple(name for name, own in rigs.items() if own in alike)
+    if not found and is_path(asked):
+        found = _beside(Path(asked))
+    if not found and any_world:
+        kind = plain_under("mechanism", rig, "rigs", search)
+        named = {own for own in rigs.values() if own is not None}
+        alike = {own for own in named if plain_under("mechanism", own, "rigs", search) == kind}
         found = tuple(name for name, own in rigs.items() if own in alike)
     if not found:
         raise ConfigurationError(
