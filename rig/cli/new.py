@@ -68,7 +68,7 @@ def new(
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
     from rig.scaffolding.files import experiment_text, profile_text
-    from rig.scaffolding.names import spell
+    from rig.scaffolding.names import refuse_taken, spell
     from rig.scaffolding.packages import first_experiment, package_files, write_files
 
     spell(name)
@@ -86,6 +86,7 @@ def new(
     if kind in _PACKAGES:
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
+        refuse_taken(name)
         package = cast("PackageKind", kind)
         written = Path(name)
         write_files(written, package_files(package, name))

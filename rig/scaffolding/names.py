@@ -2,6 +2,8 @@
 
 import keyword
 import re
+import sys
+from importlib import metadata, util
 from typing import Final, NamedTuple
 
 from rig.hal import ConfigurationError
@@ -38,3 +40,25 @@ def spell(name: str) -> Spelling:
             "dashes, as in fast-pi"
         )
     return Spelling(name, module, "".join(part.capitalize() for part in name.split("-")))
+
+
+def refuse_taken(name: str) -> None:
+    """Refuse a package's name that an import or pip would mean something else by.
+
+    Raises
+    ------
+    ConfigurationError
+        The standard library or an installed package is called so.
+    """
+    module = spell(name).module
+    if module in sys.stdlib_module_names:
+        raise ConfigurationError(f"{module} is a module of Python's own; choose another name")
+    spec = util.find_spec(module)
+    # A folder without __init__.py, which the working directory may have, is no package.
+    if spec is not None and spec.origin is not None:
+        raise ConfigurationError(f"a package {module} is installed already; choose another name")
+    try:
+        metadata.distribution(name)
+    except metadata.PackageNotFoundError:
+        return
+    raise ConfigurationError(f"a package {name} is installed already; choose another name")

@@ -187,3 +187,19 @@ def test_a_description_that_is_none(here, capsys, words, code, reason):
     assert invoke(["new", *words]) == code
     assert reason in capsys.readouterr().err
     assert not list(here.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("numpy", "a package numpy is installed already"),
+        ("rig", "a package rig is installed already"),
+        ("python-can", "a package python-can is installed already"),
+        ("json", "json is a module of Python's own"),
+    ],
+)
+def test_a_package_hides_no_other(tmp_path, monkeypatch, capsys, name, why):
+    monkeypatch.chdir(tmp_path)
+    assert invoke(["new", "controller", name]) != 0
+    assert why in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
