@@ -16,9 +16,12 @@ from pathlib import Path
 from typing import Final
 
 from rig.doctor.look import Fitness, Look
+from rig.runtime.realtime import timer_slack
 
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "python-can", "canopen", "pydantic", "mcap")
 _GIBI: Final = 2**30
+_MOST_SLACK: Final = 1000
+"""ns; a thousandth of a cycle at 1 kHz."""
 _LEAST_ROOM: Final = 1.0
 """GiB; an hour of the joint at 1 kHz takes a third of it."""
 _SYSTEM: Final = Path("/sys")
@@ -42,6 +45,7 @@ def look_at_computer(folder: Path, priority: int, system: Path = _SYSTEM) -> Ite
     yield _scheduling(priority)
     yield _memory()
     yield _waking()
+    yield _slack()
     yield _governor(system)
     yield _clock(system)
     yield _disk(folder)
@@ -89,6 +93,20 @@ def _waking() -> Look:
     rule = f'KERNEL=="{_AWAKE.name}", GROUP="dialout", MODE="0660"'
     mend = f"echo '{rule}' | sudo tee /etc/udev/rules.d/99-rig.rules && sudo udevadm trigger"
     return Look(what, f"{_AWAKE} cannot be written", Fitness.POOR, mend)
+
+
+def _slack() -> Look:
+    """Return how late sleeps may end: the loop sets it itself, and needs no permission to."""
+    if sys.platform != "linux":
+        return Look("timer slack", "only Linux has it", Fitness.OK)
+    before, least = timer_slack()
+    if least <= 0:  # a kernel that is emulated may know no such thing
+        return Look("timer slack", "the kernel does not say", Fitness.OK)
+    found = f"{before} ns; the loop sets {least} ns while it runs"
+    if least > _MOST_SLACK:
+        mend = "run on the computer's own kernel: this one keeps sleeps late"
+        return Look("timer slack", found, Fitness.POOR, mend)
+    return Look("timer slack", found, Fitness.OK)
 
 
 def _governor(system: Path) -> Look:

@@ -11,6 +11,7 @@ from typing import Final
 _MCL_CURRENT = 1
 _MCL_FUTURE = 2
 _PR_SET_TIMERSLACK = 29
+_PR_GET_TIMERSLACK = 30
 _DEFAULT_TIMER_SLACK = 50_000
 """Linux's default timer slack, ns: every sleep may end that much late."""
 _POWER_SAVING = "/dev/cpu_dma_latency"
@@ -18,6 +19,15 @@ _POWER_SAVING = "/dev/cpu_dma_latency"
 _GROWN: Final = 1.5
 """So many times as many objects as were left the last time: garbage may be among them."""
 _LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+def timer_slack() -> tuple[int, int]:
+    """Return the timer slack of this thread, ns, and the least that the loop is given."""
+    before = int(_LIBC.prctl(_PR_GET_TIMERSLACK))
+    _LIBC.prctl(_PR_SET_TIMERSLACK, 1)
+    least = int(_LIBC.prctl(_PR_GET_TIMERSLACK))
+    _LIBC.prctl(_PR_SET_TIMERSLACK, before)
+    return before, least
 
 
 class _Heap:

@@ -110,3 +110,22 @@ def test_a_library_that_is_missing_is_installed_by_its_name(tmp_path, system, mo
     found = look(tmp_path)["versions"]
     assert found.verdict is Fitness.NO
     assert found.mend.endswith("-m pip install canopen")
+
+
+@pytest.mark.parametrize(
+    ("slack", "verdict", "words"),
+    [
+        ((50_000, 1), Fitness.OK, "50000 ns; the loop sets 1 ns"),
+        ((50_000, 50_000), Fitness.POOR, "the loop sets 50000 ns"),
+        ((-1, -1), Fitness.OK, "does not say"),
+    ],
+)
+def test_how_late_sleeps_may_end_is_said(tmp_path, system, monkeypatch, slack, verdict, words):
+    monkeypatch.setattr(computer, "timer_slack", lambda: slack)
+    found = look(tmp_path)["timer slack"]
+    assert (found.verdict, words in found.found) == (verdict, True)
+
+
+def test_looking_at_the_slack_leaves_it_as_it_was():
+    before, _ = computer.timer_slack()
+    assert computer.timer_slack()[0] == before
