@@ -1,11 +1,13 @@
 """Why a run ended as it did, and what to do about it."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
 from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
@@ -69,8 +71,30 @@ def explain_run(folder: Path) -> list[Remark]:
         known = EXIT_CODES.get(str(code), "")
         means = f"{known} `rig export RUN --format csv` holds every quantity to the last cycle."
         return [*said, Remark("means", means.strip())]
-    names = {"RIG": manifest.get("rig"), "EXPERIMENT": manifest.get("experiment")}
+    rig = _rig_of(folder) or manifest.get("rig")
+    names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
+
+
+def _rig_of(folder: Path) -> str | None:
+    """Return the file of a rig, if the run's experiment names one."""
+    try:
+        text = (folder / "experiment.yaml").read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+    found = re.search(r"^rig: (\S+)$", text, re.MULTILINE)
+    return found[1] if found is not None and is_path(found[1]) else None
+
+
+def as_given(
+    rig: str | None, experiment: str | None, command: Sequence[str]
+) -> dict[str, str | None]:
+    """Return what a command line names a run's rig and experiment by: files as they were given."""
+    if list(command[:2]) == ["rig", "run"]:
+        for option, value in pairwise(command):
+            if option in ("--rig", "run") and is_path(value):
+                rig, experiment = (value, experiment) if option == "--rig" else (rig, value)
+    return {"RIG": rig, "EXPERIMENT": experiment}
 
 
 def _age(ended: str | None) -> str:
