@@ -74,7 +74,7 @@ def told_over_true(folder, fed, experiment, options):
     true = lasted = 0.0
     for start, end in spans:
         part = (log.column("phase") == 1.0) & (since >= start) & (since < end)
-        at = log.t[part][[0, -1]] + times[-1] - log.t[-1]
+        at = log.column("clock")[part][[0, -1]]
         true += float(np.diff(np.interp(at, times, amounts))[0])
         lasted += float(np.ptp(since[part]))
     return told["air_used"] * lasted * ATMOSPHERE / (GAS_CONSTANT * TEMPERATURE) / true

@@ -20,6 +20,7 @@ class Profile(NamedTuple):
     name: str = "joint"
     argument: str = "joint"
     devices: dict = {}  # noqa: RUF012 - never written
+    foreign: dict = {}  # noqa: RUF012
 
 
 class Plan(NamedTuple):
