@@ -35,6 +35,9 @@ _HOLD: Final = 0  # 0x6443
 _TAKE_ERROR_VALUE: Final = 1
 _TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
 _ROUNDING: Final = 1e-9  # of the range: not worth a fault
+_SILENT: Final = 3
+"""Safe setpoints in turn without a sample in between: SYNC does not reach the module, and they act
+with the next one only."""
 
 
 class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
@@ -118,6 +121,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         echoed = settings.wired if settings.echo else {}
         self._echoes = OutputEchoes(name, settings.node, echoed, bus)
         self._unheard = False
+        self._unanswered = 0
         self._setpoint = self._safe
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
@@ -139,6 +143,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
 
     def _take(self, values: tuple[Any, ...], t: float) -> None:
         """Decode a sample: monitors, then the digital byte. Hot path."""
+        self._unanswered = 0
         pressures = []
         intact = True
         for k, decode, low, high in self._monitor_lines:
@@ -229,14 +234,16 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         """Take the safe state until it is armed again.
 
         A module that does not get its setpoints, be it only the safe ones, is stopped: it does so
-        by itself.
+        by itself. So is one that SYNC does not reach any more, for setpoints act with SYNC.
         """
         self._armed = False
         self._set_safe()
+        self._unanswered += 1
         if not self._unheard:
             said = self._node.emergency.active
             refused = said is not None and said.is_about_setpoints and not self._module.echo
-            self._unheard = refused or self._echoes.are_missing
+            silent = self._unanswered > _SILENT
+            self._unheard = refused or silent or self._echoes.are_missing
         if self._unheard:
             self._node.halt()
 
@@ -358,6 +365,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._echoes.reset()
         self._unheard = False
+        self._unanswered = 0
         self._setpoint = self._safe
         self._digital = self._shut = 0
         self._opened = self._open

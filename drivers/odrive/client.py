@@ -12,6 +12,7 @@ from typing import Final
 
 from drivers.odrive.bus import OdriveBus
 from drivers.odrive.codec import (
+    BROADCAST,
     AxisState,
     Command,
     Heartbeat,
@@ -302,6 +303,16 @@ class OdriveClient:
     def answered(self, endpoint: int, size: int) -> bytes:
         """Return the value of the parameter that was asked for last; empty while none came."""
         return self._kept(endpoint, size)
+
+    def ask_all(self, command: Command) -> None:
+        """Ask every axis of the bus with one frame; their answers come as they come.
+
+        Raises
+        ------
+        ConnectionFailed
+            The interface refuses it.
+        """
+        self._try(lambda: self._bus.request(can_id(BROADCAST, command)))
 
     # Inside ---------------------------------------------------------------------------
 

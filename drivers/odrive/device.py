@@ -8,7 +8,7 @@ states; watchdog: ``axis0.config.enable_watchdog``, ``watchdog_timeout``.
 
 from drivers.odrive.axis import OdriveAxis
 from drivers.odrive.bus import OdriveBus
-from drivers.odrive.codec import BROADCAST, Command, can_id
+from drivers.odrive.codec import Command
 from drivers.odrive.settings import OdriveSettings
 from drivers.servos.axis_chain import ServoChain
 
@@ -77,7 +77,7 @@ class OdriveServos(ServoChain[OdriveAxis]):
             drive.client.wait_for_heartbeat()
         for drive in self.drives:
             drive.client.serials.clear()
-        self._bus.request(can_id(BROADCAST, Command.ADDRESS))
+        self.drives[0].client.ask_all(Command.ADDRESS)
         self._bus.wait_until(lambda: False, self._bus.settings.reply_timeout)
         for drive in self.drives:
             drive.connect()

@@ -103,8 +103,15 @@ def has_valves(subject: Subject) -> bool:
 
 
 def fills_alone(plight: Plight) -> frozenset[str]:
-    """Forgive what a signal does that stays: a regulator holds its pressure, a spool stays open."""
-    return ON_A_WIRE | {"pressure"} if has_valves(plight.subject) else frozenset()
+    """Forgive what a signal does that stays: a spool stays open, a regulator holds its pressure.
+
+    A regulator does so until the supply has let its air out, when all others are empty long since:
+    see `pulls_alone`.
+    """
+    if has_valves(plight.subject):
+        return ON_A_WIRE | {"pressure"}
+    held = [plight.truth.get(f"pressure_{name}", 0.0) for name in plight.place.names]
+    return ON_A_WIRE if max(held) > _HOLDS else frozenset()
 
 
 def falls(plight: Plight) -> frozenset[str]:

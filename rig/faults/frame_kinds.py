@@ -13,6 +13,8 @@ Way = Literal["to", "from", "alive", "sync"]
 
 _SYNC = 0x080
 _LASTING = Magnitudes(1e-3, 1.0, "s")
+_PERHAPS_FOR_GOOD = Magnitudes(1e-3, 30.0, "s")
+"""Of a cable that is off: for longer than any stop waits."""
 _COMMANDS_LATE = 0.03
 """How long setpoints may be lost or late before it must be seen, s …"""
 _ECHOED = 4.0
@@ -160,5 +162,5 @@ KINDS = (
     _kind("heartbeats_lost", "A device's heartbeats do not arrive.", "alive", "drop", either, 0.3,
           why="a device that measures is alive", lasts=_LASTING),
     _kind("sync_lost", "SYNC does not arrive.", "sync", "drop", _unless_bridged, 0.1,
-          why=_BRIDGED),
+          why=_BRIDGED, lasts=_PERHAPS_FOR_GOOD),
 )  # fmt: skip

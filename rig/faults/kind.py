@@ -144,6 +144,8 @@ class FaultKind:
         What must come of it while the rig runs, from its size.
     within : float
         How soon it must be seen, s, where it must.
+    filling : float
+        How soon while chambers fill, s, if that takes longer: what moves little shows little.
     why : str
         Why it is harmless where it need not be seen, or what limits its being seen.
     magnitude : Magnitudes, optional
@@ -168,6 +170,7 @@ class FaultKind:
     apply: Callable[[Stage, Place, Sizes], Callable[[], None] | None]
     must: Expect
     within: float = 0.1
+    filling: float = 0.0
     why: str = ""
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None

@@ -3,6 +3,7 @@
 import contextlib
 import math
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import cast
@@ -20,7 +21,7 @@ from rig.experiment.watcher import Watcher
 from rig.faults.stage import PausableClock
 from rig.faults.subject import Subject, frames_in
 from rig.hal import ConfigurationError
-from rig.hal.hazards import Hazard
+from rig.hal.hazards import ENERGY_LEFT, Hazard
 from rig.runtime.states import RigState
 
 
@@ -151,7 +152,7 @@ def survey(
             bus: tuple(name for name, entry in profile.devices.items() if entry.bus == bus)
             for bus in profile.buses
         },
-        hazards=dangers,
+        hazards=_but_kept(dangers, kept_channels(profile, look.plant_channels)),
         connecting=look.connecting,
         reading_age=_reading_age(profile),
         base_pressure=getattr(profile.mechanism_settings, "base_pressure", math.inf),
@@ -185,6 +186,35 @@ def _reading_age(profile: Profile) -> float:
     limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
     least: float = 3.0 * profile.loop.period
     return float(getattr(limits, "reading_age", least))
+
+
+def kept_channels(profile: Profile, channels: Sequence[str]) -> frozenset[str]:
+    """Return the plant's channels that the profile has keep their pressure in the safe state.
+
+    Parameters
+    ----------
+    profile : Profile
+        Whose devices feed them, in the plant's order.
+    channels : sequence of str
+        The plant's.
+    """
+    kept: set[str] = set()
+    for entry in profile.devices.values():
+        fed = getattr(entry.settings, "channels", None)
+        safe = [getattr(one, "safe", "vent") for one in fed.values()] if fed else []
+        kept.update(name for name, how in zip(channels, safe, strict=False) if how != "vent")
+    return frozenset(kept)
+
+
+def _but_kept(dangers: Sequence[Hazard], kept: frozenset[str]) -> tuple[Hazard, ...]:
+    """Leave out the energy of chambers that are meant to keep it."""
+    columns = {f"pressure_{channel}" for channel in kept}
+    return tuple(
+        danger._replace(columns=tuple(one for one in danger.columns if one not in columns))
+        if danger.name == ENERGY_LEFT
+        else danger
+        for danger in dangers
+    )
 
 
 def _checked(hazards: object, plant: str) -> tuple[Hazard, ...]:

@@ -183,9 +183,10 @@ def how_soon(case: Case, ending: CaseEnding, subject: Subject) -> float:
     """
     if ending.broke_at is None:
         return inf
+    fills = case.moment is Moment.ENERGISE
     return min(
         (
-            felt_at - ending.broke_at + item.row.within
+            felt_at - ending.broke_at + max(item.row.within, item.row.filling if fills else 0.0)
             for felt_at, item in zip(ending.felt_at, case.breaks, strict=False)
             if felt_at is not None and item.row.must(item.sizes, subject) is Must.SAFE
         ),

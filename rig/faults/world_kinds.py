@@ -151,6 +151,7 @@ def row_of(
     within: float = 0.1,
     *,
     fault: str | None = None,
+    filling: float = 0.0,
     why: str = "",
     magnitude: Magnitudes | None = None,
     lasts: Magnitudes | None = None,
@@ -160,18 +161,19 @@ def row_of(
     """Return a row of what the world is told by its own name of the fault, or by `fault`."""
     return FaultKind(
         name=name, what=what, places=places, apply=partial(inject, fault or name), must=must,
-        within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
-        excuses=excuses,
+        within=within, filling=filling, why=why, magnitude=magnitude, lasts=lasts,
+        forgives=forgives, excuses=excuses,
     )  # fmt: skip
 
 
 def of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
-              words: Sequence[str] = (), *, why: str = "",
+              words: Sequence[str] = (), *, filling: float = 0.0, why: str = "",
               forgives: frozenset[str] = frozenset(),
               excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     """Return a fault of a plant that takes a channel's number."""
     places = partial(_channels, name, words)
-    return row_of(name, what, places, must, within, why=why, forgives=forgives, excuses=excuses)
+    return row_of(name, what, places, must, within, filling=filling, why=why, forgives=forgives,
+                  excuses=excuses)  # fmt: skip
 
 
 def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
@@ -236,7 +238,7 @@ PNEUMATIC = (
               forgives=ALONE),
     of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
               why="a shut chamber is a spring, and holds where it is", forgives=ALONE),
-    of_plant("wire_cut", "A wire breaks.", safe, 0.1, forgives=ON_A_WIRE),
+    of_plant("wire_cut", "A wire breaks.", safe, 0.1, filling=0.5, forgives=ON_A_WIRE),
     of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.5, ("wire",),
               forgives=ON_A_WIRE),  # a chamber that fills takes 0.4 s to pull 10 mm in
     of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),

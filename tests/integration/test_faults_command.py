@@ -232,6 +232,55 @@ def test_a_file_is_repeated_by_its_name_and_a_chosen_experiment_is_named(tmp_pat
     assert again.endswith("--only encoder_alarm --seed 0 --experiment cylinder-step")
 
 
+SILENCE = """
+rig: {rig}
+experiment: {experiment}
+fault: sync_lost
+where: can0
+lasts: {lasts} s
+when: {{phase: {phase}, after: {after} s}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("rig", "experiment", "phase", "after", "lasts"),
+    [
+        ("cylinder", "cylinder-sine", "run", 0.7, 30),
+        ("cylinder", "cylinder-sine", "release", 0.001, 0.7),
+        ("joint", "joint-circle", "run", 0.9, 0.3),
+        pytest.param("joint-ideal", "joint-poses", "stop", 0.0, 0.2, marks=pytest.mark.slow),
+        pytest.param("joint", "joint-circle", "energise", 0.2, 30, marks=pytest.mark.slow),
+        pytest.param("joint-valves", "joint-valves-circle", "run", 1.7, 30, marks=pytest.mark.slow),
+    ],
+)
+def test_setpoints_that_act_with_a_sync_that_does_not_come_are_not_waited_for(
+    tmp_path, rig, experiment, phase, after, lasts
+):
+    file = tmp_path / "case.yaml"
+    said = {"rig": rig, "experiment": experiment, "phase": phase, "after": after, "lasts": lasts}
+    file.write_text(SILENCE.format(**said))
+    result = run("run", file, "--out", tmp_path)
+    assert result.return_value == 0, result.output
+
+
+@pytest.mark.parametrize("after", [5, 60])
+def test_an_interface_without_buffers_is_told_while_it_connects(tmp_path, after):
+    file = tmp_path / "case.yaml"
+    file.write_text(
+        "rig: arm-odrive\nexperiment: arm-elbow-circle\nfault: no_buffers\nwhere: can0\n"
+        f"when: {{phase: connect, after: {after} ms}}\n"
+    )
+    run("run", file, "--out", tmp_path)
+    (case,) = campaign(tmp_path, 0)["cases"]
+    assert not case["crashed"]
+
+
+@pytest.mark.parametrize("rig", ["cylinder-locked", "joint-locked"])
+def test_chambers_that_are_meant_to_keep_their_pressure_are_no_hazard(tmp_path, rig):
+    result = run("run", rig, "--only", "nothing", "--out", tmp_path)
+    assert result.return_value == 0, result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
