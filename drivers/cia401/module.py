@@ -8,7 +8,7 @@ digital error modes and values. CiA 301: 0x1029 error behaviour.
 """
 
 from collections.abc import Sequence
-from math import inf
+from math import ceil, inf
 from typing import Any, Final
 
 from drivers.can.cyclic import CyclicFrame
@@ -35,9 +35,10 @@ _HOLD: Final = 0  # 0x6443
 _TAKE_ERROR_VALUE: Final = 1
 _TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
 _ROUNDING: Final = 1e-9  # of the range: not worth a fault
-_SILENT: Final = 3
-"""Safe setpoints in turn without a sample in between: SYNC does not reach the module, and they act
-with the next one only."""
+_SILENT: Final = 0.02
+"""Safe setpoints go out for so long without a sample in between, s: SYNC does not reach the module,
+and they act with the next one only. A busy computer hears of its samples sooner than that; what
+setpoints that stay do to a rig takes 60 ms or more."""
 
 
 class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
@@ -121,7 +122,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         echoed = settings.wired if settings.echo else {}
         self._echoes = OutputEchoes(name, settings.node, echoed, bus)
         self._unheard = False
-        self._unanswered = 0
+        self._unanswered, self._patience = 0, ceil(_SILENT / (bus.period or _SILENT))
         self._setpoint = self._safe
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
@@ -242,7 +243,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         if not self._unheard:
             said = self._node.emergency.active
             refused = said is not None and said.is_about_setpoints and not self._module.echo
-            silent = self._unanswered > _SILENT
+            silent = self._unanswered > self._patience
             self._unheard = refused or silent or self._echoes.are_missing
         if self._unheard:
             self._node.halt()

@@ -86,6 +86,10 @@ class Cia401Settings(ModuleSettings):
         """See `ModuleSettings.wired`."""
         return self.channels
 
+    def kept_channels(self) -> tuple[str, ...]:
+        """Return the channels that are not vented in the safe state."""
+        return tuple(name for name, channel in self.channels.items() if channel.safe != "vent")
+
     @property
     def pressure_range(self) -> tuple[float, float]:
         """The setpoints that every channel can give, Pa gauge."""

@@ -140,6 +140,8 @@ def survey(
         result = run_experiment(plan, Backend.VIRTUAL, Path(out), watcher=look, report=False)
     if not look.connecting:
         raise ConfigurationError(f"{rig} does not run: {result.message}")
+    settings = [entry.settings for entry in profile.devices.values()]
+    kept = frozenset(channel for said in settings for channel in said.kept_channels())
     channels = {name: entry.settings.channel_names() for name, entry in profile.devices.items()}
     return Subject(
         rig=rig,
@@ -152,7 +154,7 @@ def survey(
             bus: tuple(name for name, entry in profile.devices.items() if entry.bus == bus)
             for bus in profile.buses
         },
-        hazards=_but_kept(dangers, kept_channels(profile, look.plant_channels)),
+        hazards=_but_kept(dangers, kept),
         connecting=look.connecting,
         reading_age=_reading_age(profile),
         base_pressure=getattr(profile.mechanism_settings, "base_pressure", math.inf),
@@ -186,24 +188,6 @@ def _reading_age(profile: Profile) -> float:
     limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
     least: float = 3.0 * profile.loop.period
     return float(getattr(limits, "reading_age", least))
-
-
-def kept_channels(profile: Profile, channels: Sequence[str]) -> frozenset[str]:
-    """Return the plant's channels that the profile has keep their pressure in the safe state.
-
-    Parameters
-    ----------
-    profile : Profile
-        Whose devices feed them, in the plant's order.
-    channels : sequence of str
-        The plant's.
-    """
-    kept: set[str] = set()
-    for entry in profile.devices.values():
-        fed = getattr(entry.settings, "channels", None)
-        safe = [getattr(one, "safe", "vent") for one in fed.values()] if fed else []
-        kept.update(name for name, how in zip(channels, safe, strict=False) if how != "vent")
-    return frozenset(kept)
 
 
 def _but_kept(dangers: Sequence[Hazard], kept: frozenset[str]) -> tuple[Hazard, ...]:

@@ -116,6 +116,10 @@ class DriverSettings:
         """
         return ()
 
+    def kept_channels(self) -> tuple[str, ...]:
+        """Return which of its channels keep their energy in the safe state, as the profile says."""
+        return ()
+
     def axis_bounds(self) -> Mapping[str, AxisBounds]:
         """Return beyond what each of its axes refuses a setpoint; empty if it has no axes."""
         return {}
