@@ -44,29 +44,26 @@ def complete_experiment(
     return _complete(_names(ctx, "experiments"), incomplete)
 
 
-def _need_experiment(ctx: click.Context, param: click.Parameter, value: str | None) -> str:
+def _need(kind: Folder, ctx: click.Context, value: str | None) -> str:
+    """Return a name; who gives none is told what there is of its kind."""
     if value is None:
         from rig.config.names import find_configs, list_files
 
-        names = list_files("experiments", find_configs(ctx.params.get("configs")))
+        names = list_files(kind, find_configs(ctx.params.get("configs")))
         raise click.UsageError(
-            f"Which EXPERIMENT? There are: {', '.join(names)}. `rig list experiments` describes "
-            "them; the path of a YAML file will do as well."
+            f"Which {kind.upper().removesuffix('S')}? There are: {', '.join(names)}. "
+            f"`rig list {kind}` describes them; the path of a YAML file will do as well."
         )
     return value
+
+
+def _need_experiment(ctx: click.Context, param: click.Parameter, value: str | None) -> str:
+    return _need("experiments", ctx, value)
 
 
 def need_rig(ctx: click.Context, param: click.Parameter, value: str | None) -> str:
     """Return the name of a profile; who gives none is told what there is."""
-    if value is None:
-        from rig.config.names import find_configs, list_files
-
-        names = list_files("rigs", find_configs(ctx.params.get("configs")))
-        raise click.UsageError(
-            f"Which RIG? There are: {', '.join(names)}. `rig list rigs` describes them; the path "
-            "of a YAML file will do as well."
-        )
-    return value
+    return _need("rigs", ctx, value)
 
 
 experiment_argument = click.argument(

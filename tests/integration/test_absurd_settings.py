@@ -86,6 +86,7 @@ HARMLESS_MOTIONS = [
      "a bound that is always or never missed, which the report shows beside the value"),
     (r"reference\..*", {"0", "-v", "1e-12"},
      "another way, or none: every motion is held to the rig's limits before it begins"),
+    (r"reference\.direction\.\d", {"1e6 v"}, "where it points counts, not how long it is"),
     (r"reference\.tones\.\d+\.laps", {"1e6 v"}, "reference.laps counts where it is said"),
     (r"approach", {"0"}, "the reference begins where the rig is"),
 ]  # fmt: skip

@@ -1,4 +1,8 @@
-"""Kernel of the spherical joint on proportional valves: a whole cycle of substeps per call."""
+"""Kernel of the spherical joint on proportional valves: a whole cycle of substeps per call.
+
+It differs from `drivers.sim.plants.spherical_joint_kernel` in the step of a channel alone. A kernel
+that took that step as an argument could not be kept in numba's cache.
+"""
 
 from collections.abc import Callable
 

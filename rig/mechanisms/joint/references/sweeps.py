@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
 
 from controllers.minimum_jerk import minimum_jerk
 from controllers.spherical_joint.poses import Vector, axis_from_tilt
@@ -93,7 +93,7 @@ class JointStiffness(JointDrawing):
     force : float
         Amplitude of the push, N.
     frequency : float
-        Of the push, Hz.
+        Of the push, Hz: regulators pass none that is quicker than 10 Hz.
     periods : int
         Of the push; the first one is not judged.
     rest : float
@@ -104,7 +104,7 @@ class JointStiffness(JointDrawing):
 
     base_pressures: Annotated[tuple[Annotated[float, Unit("Pa"), Gt(0)], ...], MinLen(2)]
     force: Annotated[float, Unit("N"), Gt(0)] = 4.0
-    frequency: Annotated[float, Unit("Hz"), Gt(0)] = 1.0
+    frequency: Annotated[float, Unit("Hz"), Gt(0), Le(10)] = 1.0
     periods: Annotated[int, Ge(2)] = 3
     rest: Duration = 2.0
     tilt: Annotated[float, Unit("rad"), Interval(ge=0.0, lt=math.pi / 2)] = 0.0
