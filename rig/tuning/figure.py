@@ -1,5 +1,6 @@
 """One figure of a tuning: the search, the errors on every plant, and the margins."""
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 _MOST_SHOWN = 4.0
 """Greatest sensitivity that is drawn where it is."""
+_WIDEST_LABEL = 8
+"""Letters of a line below the errors."""
 
 
 def draw_tuning(
@@ -38,6 +41,8 @@ def draw_tuning(
 
 def _draw_errors(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -> None:
     """Draw each plant's error of each stretch; the plant that is as told has a ring."""
+    from matplotlib.ticker import LogLocator
+
     names = list(now.nominal.errors)
     for verdict, color, shift, label in ((before, GREY, -0.16, "before"), (now, BLUE, 0.16, "now")):
         for place, name in enumerate(names):
@@ -48,12 +53,16 @@ def _draw_errors(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) ->
             if name in verdict.nominal.errors:
                 told = 1e3 * verdict.nominal.errors[name]
                 axes.plot(place + shift, told, "o", ms=5.0, mfc="none", color=INK, mew=0.7)
-    axes.set_xticks(range(len(names)), labels=names)
+    labels = [textwrap.fill(name, _WIDEST_LABEL) for name in names]
+    axes.set_xticks(range(len(names)), labels=labels)
     axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter("")
     axes.set_ylabel("error (mm rms), ring: as told")
     lost = [len(verdict.lost) for verdict in (before, now)]
     title = f"lost plants: {lost[0]} before, {lost[1]} now" if any(lost) else ""
-    axes.legend(title=title, loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=2)
+    axes.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
 def _draw_margins(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -> None:
@@ -65,5 +74,5 @@ def _draw_margins(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -
         axes.step(sizes, np.arange(1, len(sizes) + 1) / len(sizes), color=color, where="post")
     axes.axvline(SENSITIVITY, color=VERMILION, lw=0.8, ls="--")
     axes.set_xlim(1.0, 1.02 * _MOST_SHOWN)
-    axes.set_xlabel("sensitivity (4: or more)")
+    axes.set_xlabel(f"sensitivity ({_MOST_SHOWN:g}: or more)\ndashed: at most {SENSITIVITY:g}")
     axes.set_ylabel("share of drawn plants")
