@@ -122,7 +122,9 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         echoed = settings.wired if settings.echo else {}
         self._echoes = OutputEchoes(name, settings.node, echoed, bus)
         self._unheard = False
-        self._unanswered, self._patience = 0, ceil(_SILENT / (bus.period or _SILENT))
+        # Cycles; who talks to a module without a cycle has nothing that SYNC could be late for.
+        self._patience = ceil(_SILENT / bus.period) if bus.period else inf
+        self._unanswered = 0
         self._setpoint = self._safe
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
