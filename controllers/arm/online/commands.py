@@ -56,8 +56,8 @@ class ArmTwists(ABC):
         ``stay``: a hand that is asked to leave the workspace stands at its boundary. ``back``: it
         comes back on the same line with the elbow on its other side, as in Miyata et al.
     silence : float
-        Who has not been heard for so long is taken not to be there, s: the hand comes to rest,
-        and goes on only after a twist of zero.
+        Who has not been heard for so long is waited for no longer, s: the hand brakes. Heard
+        within 0.1 s, it goes on; later only after a twist of zero.
     duration : float
         How long is listened, s.
     """
@@ -65,7 +65,7 @@ class ArmTwists(ABC):
     start: SixAngles = _START  # type: ignore[assignment]
     frame: Literal["base", "tool"] = "base"
     boundary: Literal["stay", "back"] = "stay"
-    silence: Silence = 0.06
+    silence: Silence = 0.02
     duration: Annotated[float, Unit("s"), Gt(0)] = 60.0
 
     @property

@@ -115,7 +115,8 @@ class GamepadThread:
                 ready, _, _ = select.select([self._device.fd], [], [], _LOOK)
                 for event in self._device.read() if ready else ():
                     self._take(event.type, event.code, event.value)
-            except (OSError, ValueError):  # it is gone: silence stops the hand
+            except (OSError, ValueError):  # it is gone, and nobody need wait for the silence
+                self._said = AT_REST
                 return
             self._said = self._twist()
 

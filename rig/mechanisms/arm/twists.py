@@ -14,6 +14,10 @@ from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.twist_facts import facts_of_twists
 
 _NUMBERS = 6
+_AWAY = 0.1
+"""Who has not been heard for so long may have let go of the sticks, s: asked to begin anew."""
+_EDGE = 1e-9
+"""s: instants of cycles are sums of periods."""
 
 
 class KnownTwists(PlannedArmMotion):
@@ -37,6 +41,10 @@ class KnownTwists(PlannedArmMotion):
 class HeardTwists(Motion[ArmReference]):
     """Twists as they are heard; who says nothing stops the hand.
 
+    From `ArmTwists.silence` on the hand brakes as hard as its joints can. Who is heard again
+    within 0.1 s of the last word was only late, and goes on. Whoever comes later has to ask for
+    rest first: what was asked for long ago must not move the hand.
+
     Parameters
     ----------
     twists : ArmTwists
@@ -53,7 +61,7 @@ class HeardTwists(Motion[ArmReference]):
         self._ear: Heard | None = None
         self._asked = AT_REST
         self._heard = 0.0
-        self._silent = False
+        self._silent = self._late = False
         self._at_rest = ArmReference(twists.start, AT_REST, False)
 
     @property
@@ -94,14 +102,16 @@ class HeardTwists(Motion[ArmReference]):
         if told is not None:
             return self._take(t, told, here)
         since = t - self._heard
-        if since <= self._twists.silence or self._silent:
+        if since >= self._twists.silence - _EDGE:
+            self._asked = AT_REST
+        if since < _AWAY - _EDGE or self._silent:
             return ()
-        self._silent, self._asked = True, AT_REST
+        self._silent = True
         return (
             Note(
                 "silence",
-                f"no twist has been heard for {1e3 * since:.0f} ms: the hand comes to rest, and "
-                "goes on after a twist of zero",
+                f"no twist has been heard for {1e3 * since:.0f} ms: the hand brakes from "
+                f"{1e3 * self._twists.silence:.0f} ms on, and goes on after a twist of zero",
             ),
         )
 
@@ -113,14 +123,23 @@ class HeardTwists(Motion[ArmReference]):
         twist = (vx, vy, vz, wx, wy, wz)
         if not all(math.isfinite(value) for value in twist):
             raise SafetyError(f"{self._name} asks for {twist}, which are not all numbers")
-        self._heard = t
+        gap, self._heard = t - self._heard, t
         if self._silent:
             if any(twist):
                 return ()
             self._silent = False
             return (Note("twist", "a twist of zero has been heard: the hand follows again"),)
         self._asked = asked_in_base(self._geometry, here.positions, twist, self._twists.frame)
-        return ()
+        if gap < self._twists.silence - _EDGE or self._late or not any(twist):
+            return ()
+        self._late = True  # said once: a slow source is late with every word
+        return (
+            Note(
+                "late",
+                f"a twist came {1e3 * gap:.0f} ms after the last: from "
+                f"{1e3 * self._twists.silence:.0f} ms on (reference.silence) the hand brakes",
+            ),
+        )
 
     @property
     def _name(self) -> str:
