@@ -42,8 +42,9 @@ def doctor(
 ) -> int:
     """Look at this computer, and say with which command each lack is mended.
 
-    With RIG, also at the interfaces, ports and cameras that its profile names. Nothing is sent to
-    the rig. Exit code 3: something is missing without which RIG does not run on hardware.
+    With RIG, at the interfaces, ports and cameras that its profile names; without, at those that
+    are there. Nothing is sent to the rig. Exit code 3: something is missing without which RIG does
+    not run on hardware.
     """
     from rig.assembly import REGISTRY
     from rig.config import load_profile
@@ -51,6 +52,7 @@ def doctor(
     from rig.config.names import find_configs
     from rig.doctor.computer import look_at_computer
     from rig.doctor.look import Fitness
+    from rig.doctor.ports import look_at_ports
     from rig.doctor.wakeups import abuse, judge, measure_wakeups
     from rig.doctor.wiring import look_at_wiring
 
@@ -59,8 +61,7 @@ def doctor(
         profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
     loop = LoopSettings(rate=1000.0) if profile is None else profile.loop
     found = list(look_at_computer(out, loop.priority))
-    if profile is not None:
-        found += look_at_wiring(profile)
+    found += look_at_ports() if profile is None else look_at_wiring(profile)
     at = loop.rate if rate is None else rate
     idle = measure_wakeups(at, _QUICK, loop.priority, loop.cpu, spin=loop.spin)
     found.append(judge(idle, "as it is"))

@@ -18,7 +18,7 @@ def look_at_wiring(profile: Profile) -> Iterator[Look]:
     for name, device in profile.devices.items():
         path = device.settings.device_path()
         if path is not None:
-            yield _device_file(f"device {name}, {path}", path)
+            yield look_at_device_file(f"device {name}, {path}", path)
 
 
 def _bus(name: str, at: Endpoint) -> Look:
@@ -33,11 +33,12 @@ def _bus(name: str, at: Endpoint) -> Look:
             return Look(what, found, Fitness.NO, mend)
         return Look(what, f"up, {at.bitrate} bit/s", Fitness.OK)
     if at.channel.startswith("/dev/"):
-        return _device_file(what, at.channel)
+        return look_at_device_file(what, at.channel)
     return Look(what, "only its driver can tell: rig check RIG --on hardware", Fitness.OK)
 
 
-def _device_file(what: str, name: str) -> Look:
+def look_at_device_file(what: str, name: str) -> Look:
+    """Return whether a device's file is there and may be opened."""
     path = Path(name)
     if not path.exists():
         near = sorted(path.parent.glob(path.name.rstrip("0123456789") + "*"))
