@@ -37,7 +37,11 @@ def read_lines(path: Path) -> list[str]:
         if len(content) > MOST:
             raise InfeasibleMotion(f"{path}: it has more than {MOST} bytes.")
         return content.decode("utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except FileNotFoundError as error:
+        raise InfeasibleMotion(f"{path}: there is no such file.") from error
+    except OSError as error:
+        raise InfeasibleMotion(f"{path}: the file cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
         raise InfeasibleMotion(f"{path}: {error}.") from error
 
 

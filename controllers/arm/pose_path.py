@@ -33,7 +33,7 @@ class PosePath(ArmPath):
 
     Parameters
     ----------
-    file : str
+    file : Path, optional
         A CSV or YAML file: a header with ``x (mm), y (mm), z (mm)`` in any unit of length and, if
         the tool turns, its rotation or its direction; a row for each place. See `read_poses`.
     points : tuple of tuple of float
@@ -57,7 +57,7 @@ class PosePath(ArmPath):
         them; `look-ahead` alone does.
     """
 
-    file: str = ""
+    file: Path | None = None
     points: tuple[Place, ...] = ()
     frame: str | TaughtFrame = _BASE
     near: SixAngles = _NEAR
@@ -67,7 +67,7 @@ class PosePath(ArmPath):
     torques: bool = False
 
     def __post_init__(self) -> None:
-        if bool(self.file) == bool(self.points):
+        if (self.file is not None) == bool(self.points):
             raise ValueError("give a file or points, and not both.")
 
     def turned(self, turns: Joints) -> "PosePath":

@@ -25,7 +25,7 @@ class FootstepsSettings(SteppingSettings):
 
     Parameters
     ----------
-    file : str
+    file : Path, optional
         A CSV file of footprints; see `read_footsteps`.
     steps : tuple of Footstep
         Instead of a file.
@@ -38,12 +38,12 @@ class FootstepsSettings(SteppingSettings):
         Not exactly one of `file`, `steps` and `numbers` is given.
     """
 
-    file: str = ""
+    file: Path | None = None
     steps: Annotated[tuple[Footstep, ...], MaxLen(MOST_STEPS)] = ()
     numbers: StepNumbers | None = None
 
     def __post_init__(self) -> None:
-        if bool(self.file) + bool(self.steps) + (self.numbers is not None) != 1:
+        if (self.file is not None) + bool(self.steps) + (self.numbers is not None) != 1:
             raise ValueError("give exactly one of file, steps and numbers.")
 
     def footsteps(self, geometry: LegGeometry) -> tuple[Footstep, ...]:
@@ -54,7 +54,7 @@ class FootstepsSettings(SteppingSettings):
         InfeasibleMotion
             The file cannot be read, with line, column and what is wrong there.
         """
-        if self.file:
+        if self.file is not None:
             return read_footsteps(Path(self.file))
         return self.steps or number_footsteps(geometry, self.numbers or StepNumbers())
 

@@ -5,6 +5,7 @@ right and y down. The camera's frame has the same x and y, and z along the view.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
@@ -27,8 +28,8 @@ class SourceSettings:
     kind : str
         ``uvc``: a camera of the operating system. ``video``: a recorded file. ``images``: a
         folder of image files, taken in the order of their names.
-    path : str
-        The device (``/dev/video0`` or ``0``), file or folder.
+    path : Path
+        The device (``/dev/video0`` or ``"0"``), file or folder.
     paced : bool
         Play a recording at the frame rate; False: as fast as its frames are detected.
     repeat : bool
@@ -38,7 +39,7 @@ class SourceSettings:
     """
 
     kind: Literal["uvc", "video", "images"] = "uvc"
-    path: Annotated[str, MinLen(1)] = "/dev/video0"
+    path: Path = Path("/dev/video0")
     paced: bool = True
     repeat: bool = False
     pixel_format: Annotated[str, MinLen(4)] = "GREY"
@@ -199,7 +200,7 @@ class MarkerCameraSettings(DriverSettings):
         """Return the camera of the operating system, if that is what is looked through."""
         if self.source.kind != "uvc":
             return None
-        path = self.source.path
+        path = str(self.source.path)
         return f"/dev/video{path}" if path.isdecimal() else path
 
     @property

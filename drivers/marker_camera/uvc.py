@@ -56,7 +56,7 @@ class UvcSource:
         self.serial: str | None = None
         self._settings = settings
         self._clock = clock
-        path = settings.source.path
+        path = str(settings.source.path)
         self._path = f"/dev/video{path}" if path.isdecimal() else path
         self._open_capture = open_capture or _open_v4l2
         self._capture: Capture | None = None

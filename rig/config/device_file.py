@@ -6,8 +6,9 @@ from typing import Final
 
 from rig.config.diagnostics import Problems
 from rig.config.located import Node
+from rig.config.named_files import beside
 from rig.hal import ConfigurationError, DeviceFile, DriverSettings
-from rig.hal.files import is_file, read_regular
+from rig.hal.files import read_regular
 
 KEY: Final = "eds"
 """The key of a device's entry that names the file."""
@@ -48,10 +49,7 @@ class DeviceDescription:
         node = entry.get(KEY)
         if node is None or not isinstance(node.value, str):
             return None
-        # Relative to the file that says it; an option is relative to where the user is.
-        written_in = Path(node.mark.source.name)
-        folder = written_in.parent if is_file(written_in) else Path()
-        path = folder / node.value
+        path = beside(node) / node.value
         try:
             content = settings.read_description(path)
         except ConfigurationError as error:

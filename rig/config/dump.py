@@ -2,13 +2,18 @@
 
 import re
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Final
 
 import yaml
 
 from rig.config.located import Plain
 from rig.config.models import BusEntry, DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
+from rig.config.named_files import copies_of
 from rig.hal import ConfigurationError
+
+REFERENCE_FILES: Final = "reference"
+"""The folder in a run folder with the files that the reference names."""
 
 _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*")
 
@@ -105,6 +110,18 @@ def _entries(value: object) -> dict[str, Plain]:
     }
 
 
+def _reference(entry: ReferenceEntry) -> dict[str, Plain]:
+    plain: dict[str, Plain] = {"kind": entry.kind, **_entries(entry.settings)}
+    for keys, copy in copies_of(entry.settings, REFERENCE_FILES).items():
+        below = plain
+        for key in keys[:-1]:
+            inner = below[key]
+            assert isinstance(inner, dict)
+            below = inner
+        below[keys[-1]] = copy  # that a run folder keeps
+    return plain
+
+
 def as_plain(value: object) -> Plain:
     """Return settings as plain mappings, lists and scalars, in SI."""
     if isinstance(value, BusEntry):
@@ -112,12 +129,14 @@ def as_plain(value: object) -> Plain:
     if isinstance(value, PlantEntry):
         return {"model": value.model, **_entries(value.settings)}
     if isinstance(value, ReferenceEntry):
-        return {"kind": value.kind, **_entries(value.settings)}
+        return _reference(value)
     if is_dataclass(value):
         return _entries(value)
     if isinstance(value, dict):
         return {key: as_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [as_plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
     assert value is None or isinstance(value, str | int | float)
     return value

@@ -13,12 +13,12 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import (
     apply_overrides,
     load_document,
-    name_under,
     parse_overrides,
     with_plain_quantities,
 )
 from rig.config.located import Node, places_of
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
+from rig.config.named_files import check_files, with_path_beside
 from rig.config.named_settings import Registry, controller_names
 from rig.config.names import find_file, is_name, is_path, list_files
 from rig.config.profile import load_profile
@@ -41,7 +41,7 @@ class ExperimentHead:
     Parameters
     ----------
     rig : str
-        The profile's name.
+        The profile's name, or the path of its file from this one on.
     controller : str
         The controller that drives it; an arm's or a walker's is a `law`, and may be called so.
     name : str
@@ -101,12 +101,15 @@ def load_experiment(
         for option in parse_overrides(overrides, problems)
     ]
     root = apply_overrides(_with_controller(document.root, problems), options, problems)
+    root = _with_rig_beside(root)
     _admit_rig(root, registry, search)
     sections = Sections(root, EXPERIMENT_KEYS, registry, problems)
     reference_node = sections.take("reference", required=True)
     reference = (
         None if reference_node is None else sections.chosen("reference", reference_node, "kind")
     )
+    if reference is not None and reference_node is not None:
+        check_files(reference[1], reference_node, "reference", problems)
     metrics = {
         name: _metric(node, problems)
         for name, node in sections.named("metrics", names=False).items()
@@ -144,7 +147,22 @@ def _admit_rig(root: Node, registry: Registry, search: Sequence[Path]) -> None:
 
 def rig_of(source: str | Path, search: Sequence[Path] = ()) -> str | None:
     """Return the rig that an experiment's file names, however wrong the rest of it is."""
-    return name_under("rig", source, "experiments", search)
+    try:
+        root = load_document(
+            find_file(source, "experiments", search), "experiments", search, Problems()
+        ).root
+    except ConfigurationError:
+        return None
+    named = with_path_beside(root.get("rig"))
+    return named.value if named is not None and isinstance(named.value, str) else None
+
+
+def _with_rig_beside(root: Node) -> Node:
+    """Return the document with the path of its rig, if it names it by one, as one from here."""
+    named = with_path_beside(root.get("rig"))
+    if named is None or not isinstance(root.value, dict):
+        return root
+    return root.with_items({**root.value, "rig": named})
 
 
 def _with_controller(root: Node, problems: Problems) -> Node:

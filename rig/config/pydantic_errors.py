@@ -80,7 +80,9 @@ def _others(place: Node, message: str) -> str | None:
     if len(named) < 2:
         return None
     told = ", ".join(f"{key} in {node.heading}" for key, node in named.items())
-    return f"{told}; null takes back what a base gives"
+    lists = any(isinstance(node.value, list) for node in named.values())
+    empty = ", [] where a list must stay one" if lists else ""
+    return f"{told}; null takes back what a base gives{empty}"
 
 
 def _wanted(settings: type, path: tuple[str | int, ...], key: str) -> str | None:
@@ -122,6 +124,7 @@ _WORDS = {
     "int_from_float": "a whole number",
     "bool_type": "true or false",
     "string_type": "text",
+    "path_type": "the path of a file",
     "tuple_type": "a list",
     "list_type": "a list",
     "dict_type": "a mapping",

@@ -8,6 +8,7 @@ units. Here it becomes a pydantic type in which
 - a number is a number: no booleans, no texts, finite; whole numbers where the type is int;
 - a nested mapping changes the default of its field: what it leaves out stays as it is there;
 - a pair that is `Rising` rises;
+- a `Path` is that of a file, from the folder of the file that says it on;
 - a `ValueError` of ``__post_init__`` is an error at the mapping.
 """
 
@@ -15,6 +16,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, partial, reduce
 from operator import or_
+from pathlib import Path
 from types import GenericAlias, MappingProxyType, NoneType
 from typing import (
     Annotated,
@@ -38,6 +40,7 @@ from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
 from rig.config.located import Node
 from rig.config.magnitudes import bounded
+from rig.config.named_files import with_files_beside
 from rig.config.pydantic_errors import report, report_rule
 from rig.config.quantities import UnitError, parse_quantity, usual_units
 from rig.config.repair import rules_besides
@@ -76,6 +79,7 @@ def build(
     instance or None
         None if there were errors.
     """
+    node = with_files_beside(settings, node, problems)
     try:
         instance = adapter(cast("type", settings)).validate_python(node.plain())
     except ValidationError as error:
@@ -164,6 +168,8 @@ def entries_of(settings: type, defaults: Mapping[str, object] = MappingProxyType
         schema: JsonDict = {}
         if isinstance(default, str | int | float | NoneType):
             schema["default"] = default
+        elif isinstance(default, Path):
+            schema["default"] = str(default)
         info = pydantic.Field(description=texts.get(field.name), json_schema_extra=schema)
         try:
             made = _annotated(annotation(types[field.name], default), [info])

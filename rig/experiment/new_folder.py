@@ -6,6 +6,8 @@ from pathlib import Path
 from rig.assembly import Backend, Rig
 from rig.config import dump_resolved
 from rig.config.device_file import text_of
+from rig.config.dump import REFERENCE_FILES
+from rig.config.named_files import copies_of, files_in
 from rig.experiment.command import command_of
 from rig.experiment.metrics import evaluation_as_json
 from rig.experiment.plan import Plan, constants_of
@@ -47,6 +49,9 @@ def create_folder(
         for name, entry in profile.devices.items()
         if entry.eds is not None
     }
+    settings = experiment.reference.settings
+    kept = copies_of(settings, REFERENCE_FILES)
+    motion = {kept[keys]: text_of(path) for keys, path in files_in(settings)}
     folder = RunFolder.create(
         out,
         experiment.name,
@@ -56,6 +61,7 @@ def create_folder(
             "experiment.yaml": dump_resolved(experiment),
             **calibrations,
             **data_sheets,
+            **motion,
             **plan.sources,
         },
         seed=profile.simulation.seed if backend.is_simulated else None,

@@ -11,6 +11,7 @@ from annotated_types import Ge, Gt, Unit
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import load_document
 from rig.config.located import Node
+from rig.config.named_files import with_path_beside
 from rig.config.settings import build
 from rig.faults.case import Break, Case, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for
@@ -66,7 +67,8 @@ class Scenario:
     Parameters
     ----------
     rig, experiment : str
-        What is run: an experiment, or in the phase ``calibration`` a procedure.
+        What is run, by name or by the path of a file from this one on: an experiment, or in the
+        phase ``calibration`` a procedure.
     fault, where, magnitude, lasts
         What breaks.
     when : When
@@ -115,6 +117,7 @@ def load_scenario(path: Path) -> LocatedScenario:
     """
     problems = Problems()
     root = load_document(path, "experiments", (), problems).root
+    root = _from_here(root)
     scenario = build(Scenario, root, problems)
     if scenario is not None:
         _check_name(root, ("fault",), scenario.fault, problems)
@@ -123,6 +126,13 @@ def load_scenario(path: Path) -> LocatedScenario:
     problems.raise_if_any()
     assert scenario is not None
     return LocatedScenario(scenario, root)
+
+
+def _from_here(root: Node) -> Node:
+    """Return the document with the files of rig and experiment as paths from here."""
+    assert isinstance(root.value, dict)
+    named = {key: with_path_beside(root.value.get(key)) for key in ("rig", "experiment")}
+    return root.with_items({**root.value, **{key: node for key, node in named.items() if node}})
 
 
 def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems) -> None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rig.config.dump import REFERENCE_FILES
 from rig.config.located import Plain
 from rig.config.yaml_loader import read_plain
 from rig.hal import ConfigurationError, RigError
@@ -67,11 +68,12 @@ class MetricChange(NamedTuple):
 
 def differing_settings(one: RunFolder, other: RunFolder) -> list[Change]:
     """Return the settings of profile and experiment that differ."""
-    return [
+    settings = [
         change
         for name in (PROFILE, EXPERIMENT)
         for change in _changes(_settings(one, name), _settings(other, name))
     ]
+    return settings + _changes(_tables(one), _tables(other))
 
 
 def differing_code(one: RunFolder, other: RunFolder) -> list[Change]:
@@ -167,8 +169,14 @@ def first_difference(one: RunFolder, other: RunFolder) -> str | None:
     return f"only one log has {', '.join(left)}" if left else None
 
 
+def _tables(folder: RunFolder) -> dict[str, str]:
+    """Return the hash of each file that the reference named; its name there says nothing."""
+    kept = folder.manifest.get("files", {})
+    return {name: sha for name, sha in kept.items() if name.startswith(f"{REFERENCE_FILES}/")}
+
+
 def _without_seed(folder: RunFolder) -> dict[str, str]:
-    settings = _settings(folder, PROFILE) | _settings(folder, EXPERIMENT)
+    settings = _settings(folder, PROFILE) | _settings(folder, EXPERIMENT) | _tables(folder)
     settings.pop(_SEED, None)
     return settings
 

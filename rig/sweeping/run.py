@@ -1,5 +1,6 @@
 """One sweep, from what was asked to its table, figure and page."""
 
+import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -7,8 +8,10 @@ from contextlib import closing
 from pathlib import Path
 
 from rig.assembly import Backend
-from rig.config import Experiment, ProfileError
+from rig.config import Experiment, ProfileError, find_configs
 from rig.config.diagnostics import nearest
+from rig.config.experiment import rig_of
+from rig.config.names import is_path
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
@@ -103,12 +106,19 @@ def _checked_source(
 ) -> PointSource:
     """Copy the configurations; return where points come from, after a look at all of the axes."""
     name = freeze_configs(request.experiment, request.configs, configs)
-    source = PointSource(name, request.options, request.rig, request.on, code.digest)
+    options = (*_rig_by_path(request), *request.options)
+    source = PointSource(name, options, request.rig, request.on, code.digest)
     check_axes(source, design, configs)
     _check_metrics(request, resolve(source, design.options(0), configs).experiment)
     if request.serial:
         _preflight(source, design, configs)
     return source
+
+
+def _rig_by_path(request: SweepRequest) -> tuple[str, ...]:
+    """Return the rig as an option if the experiment names it by its path: the copy is elsewhere."""
+    own = rig_of(request.experiment, find_configs(request.configs))
+    return (f"rig={json.dumps(str(Path(own).resolve()))}",) if own and is_path(own) else ()
 
 
 def _tell_of_edits(code: CodeVersion, shown: SweepProgress) -> None:

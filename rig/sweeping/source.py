@@ -2,18 +2,23 @@
 
 import hashlib
 import json
+import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from rig.assembly import REGISTRY
 from rig.config import Experiment, Profile, find_configs, load_experiment, load_profile
+from rig.config.document import plain_under
 from rig.config.dump import plain_of
 from rig.config.experiment import rig_of
+from rig.config.located import Plain
+from rig.config.named_files import files_in
 from rig.config.names import find_file, is_path
 from rig.experiment.plan import admit_options, split_overrides
 from rig.hal import ConfigurationError
+from rig.hal.files import is_file
 
 _LARGEST = 1 << 20
 """No configuration is larger, bytes."""
@@ -79,6 +84,10 @@ def resolve(source: PointSource, options: Sequence[str], configs: Path) -> Resol
         for entry in profile.devices.values()
         if entry.eds is not None
     ]
+    sheets += [
+        hashlib.sha256(path.read_bytes()).hexdigest()
+        for _, path in files_in(experiment.reference.settings)
+    ]
     content = [source.code, source.backend, plain_of(experiment), plain_of(profile), sheets]
     text = json.dumps(content, sort_keys=True, ensure_ascii=False)
     return Resolved(hashlib.sha256(text.encode()).hexdigest()[:32], experiment, profile)
@@ -123,9 +132,29 @@ def freeze_configs(experiment: str, given: Path | None, into: Path) -> str:
             beside.mkdir(parents=True, exist_ok=True)
             for file in {path, *path.parent.glob("*.yaml")}:
                 shutil.copy(file, beside)
+            _copy_named(path, beside, into)
     except (OSError, shutil.Error) as error:
         raise ConfigurationError(f"cannot copy the configurations to {into}: {error}") from error
     return path.stem
+
+
+def _copy_named(experiment: Path, beside: Path, into: Path) -> None:
+    """Copy the tables that an experiment's own file names to where its copy looks for them."""
+    reference = plain_under("reference", experiment, "experiments")
+    for named in _texts(reference):
+        source = experiment.parent / named
+        copy = Path(os.path.normpath(beside / named))
+        if not Path(named).is_absolute() and copy.is_relative_to(into) and is_file(source):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, copy)
+
+
+def _texts(value: Plain) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _texts(item)
 
 
 def _too_large(folder: str, names: list[str]) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from rig.config.diagnostics import Problems
 from rig.config.document import parse_mapping
 from rig.config.located import Node, Plain
+from rig.config.named_files import with_path_beside
 from rig.config.settings import build
 from rig.config.yaml_loader import MAX_BYTES, read_source
 from rig.hal import ConfigurationError
@@ -76,6 +77,10 @@ def load_sweep(path: Path) -> SweepRequest:
         except ConfigurationError as error:
             problems.add(node.heading, f"{key}: {error}")
             del items[key]
+    for key in ("experiment", "rig"):
+        named = with_path_beside(items.get(key))
+        if named is not None:
+            items[key] = named
     keys = build(SweepKeys, root.with_items(items), problems)
     problems.raise_if_any()
     assert keys is not None

@@ -27,11 +27,11 @@ class SweepKeys:
     Parameters
     ----------
     experiment : str
-        A name, or the path of a file.
+        A name, or the path of a file from this one on.
     on : str
         Where every point runs.
     rig : str, optional
-        Another rig than the experiment's.
+        Another rig than the experiment's: a name or a path, as `experiment`.
     set : dict
         Settings of every point by their dotted names, as for ``--set``.
     perturbation : Perturbation

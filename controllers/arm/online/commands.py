@@ -110,7 +110,7 @@ class TwistRows(ArmTwists):
 
     Parameters
     ----------
-    file : str
+    file : Path, optional
         A CSV file. Its header names ``t (s), vx (mm/s), vy (mm/s), vz (mm/s)`` and, if the tool
         turns, ``wx (deg/s), wy (deg/s), wz (deg/s)``, in any units of these kinds.
     rows : tuple of tuple of float
@@ -119,16 +119,16 @@ class TwistRows(ArmTwists):
         No longer than this, s; the last row ends it.
     """
 
-    file: str = ""
+    file: Path | None = None
     rows: tuple[Row, ...] = ()
 
     def __post_init__(self) -> None:
-        if bool(self.file) == bool(self.rows):
+        if (self.file is not None) == bool(self.rows):
             raise ValueError("give a file or rows, and not both.")
 
     def known(self) -> list[Row]:
         """Return the rows; see `ArmTwists.known`."""
-        if self.file:
+        if self.file is not None:
             rows, name = read_rows(Path(self.file)), f"{self.file}: "
         else:
             rows, name = list(self.rows), ""
