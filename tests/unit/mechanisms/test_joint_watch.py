@@ -301,7 +301,8 @@ def test_a_rod_that_ran_before_its_encoder_complained_did_run(number, way, least
         )
         assert (found is not error) is cause
         if cause:
-            assert f"the wire of {CHANNELS[number - 1]} is slack or cut" in str(found)
+            wire = str(found).partition(" is slack or cut")[0]
+            assert wire.startswith("the wire of ") and CHANNELS[number - 1] in wire
 
 
 # The watch on its own ----------------------------------------------------------------------------
@@ -325,12 +326,12 @@ class Rods:
 
 
 def test_before_the_first_cycle_the_rod_furthest_from_home_is_the_one_that_runs():
-    """Rod 1 is in, rod 3 less far out: from home rod 1 went further, from elsewhere rod 3."""
-    rods = off(off(UPRIGHT, 1, 2e-3), 3, -1.5e-3)
+    """Rod 1 is in, rod 2 less far out: from home rod 1 went further, from elsewhere rod 2."""
+    rods = off(off(UPRIGHT, 1, 2e-3), 2, -1.5e-3)
     for checked in (False, True):
         told = Rods()
         state = told.check(rods) if checked else told.state(rods)
-        assert str(told.watch.explain(ERROR, state)).startswith("the wire of ch1 is slack or cut")
+        assert str(told.watch.explain(ERROR, state)).startswith("the wire of ch1 or ch3 is slack")
 
 
 def test_an_encoder_that_complains_in_the_first_cycle_is_believed():

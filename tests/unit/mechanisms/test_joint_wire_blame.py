@@ -10,6 +10,7 @@ from rig.hal import SafetyError
 
 TILTED = rods_at(0.3, 0.4)
 FAR = rods_at(0.8, 0.4)
+NEAR = rods_at(0.02, 0.4)
 OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}
 REST_EXTENSION = 30e-3
 
@@ -69,56 +70,38 @@ def test_two_wrong_rods_are_explained_by_none():
     assert blame(TILTED, wrong) == "more than one wire is slack, or the ring is twisted"
 
 
-@pytest.mark.parametrize(("times", "clear"), [(2.02, True), (1.98, False)])
+@pytest.mark.parametrize(("times", "clear"), [(1.51, True), (1.49, False)])
 @pytest.mark.parametrize("number", [1, 3])
-def test_of_two_suspects_the_one_that_ran_twice_as_fast_let_go(number, times, clear):
-    """Both ran in, at some time; what is off does not show which of them is too far in."""
+def test_of_two_suspects_the_one_that_gained_half_as_much_again_let_go(number, times, clear):
+    """Both ran in near upright: what is off does not show which of them is too far in."""
     run = 1e-3
-    history = [
-        TILTED,
-        off(TILTED, OPPOSITE[number], run),
-        TILTED,
-        off(TILTED, number, times * run),
-        off(TILTED, number, times * run),
-    ]
-    said = blame(*history, pressures=(0.0,) * 4)
+    gone = off(off(NEAR, number, times * run), OPPOSITE[number], run)
+    said = blame(NEAR, NEAR, gone, pressures=(BASE,) * 4)
     if clear:
-        assert said == f"the wire of ch{number} is slack or cut, by {times:.2f} mm"
+        assert said.startswith(f"the wire of ch{number} is slack or cut")
     else:
-        assert said == f"the wire of ch1 or ch3 is slack or its anchor slips, by {times:.2f} mm"
+        assert said.startswith("the wire of ch1 or ch3 is slack or its anchor slips")
 
 
-def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
-    wrong = off(TILTED, 1, 2e-3)
-    faster = off(TILTED, 3, 5e-3)
-    history = (TILTED, faster, TILTED, wrong, wrong)
-    weak = (BASE, BASE, 0.0, BASE)
-    said = blame(*history, pressures=weak)
-    assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
-    weak = (0.0, BASE, BASE, BASE)
-    assert blame(*history, pressures=weak).startswith("the anchor of ch3 has slipped")
+@pytest.mark.parametrize("number", [1, 3])
+def test_where_no_rod_ran_what_is_off_does_not_tell_opposite_ones_apart(number):
+    """While chambers fill, a rod may creep at 0.07 m/s, and so may the one that pulls the ring."""
+    crept = off(NEAR, number, 0.09 * WireBench.STEP)
+    wrong = off(NEAR, number, 0.18 * WireBench.STEP)
+    said = blame(NEAR, NEAR, crept, wrong)
+    assert said.startswith("the wire of ch1 or ch3 is slack or its anchor slips, by 0.70 mm")
 
 
-def test_a_run_is_fast_by_its_time_and_not_by_its_way():
-    bench = WireBench(grace=math.inf)
-    wrong = off(TILTED, 1, 2e-3)
-    for rods, steps in ((TILTED, 1), (off(TILTED, 3, 3e-3), 8), (TILTED, 1), (wrong, 1)):
-        bench.check(rods, steps=steps)
-    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
-    assert said.startswith("the wire of ch1 is slack or cut")
-
-
-@pytest.mark.parametrize(("cycles", "blamed"), [(512, 3), (513, 1)])
-def test_runs_are_remembered_for_512_cycles(cycles, blamed):
-    bench = WireBench(grace=math.inf)
-    wrong = off(TILTED, 1, 2e-3)
-    for rods in (TILTED, off(TILTED, 3, 5e-3), TILTED, wrong):
-        bench.check(rods)
-    for _ in range(cycles - 4):
-        bench.now += 2.0**-10
-        bench.watch.follow(wrong, bench.now)
-    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
-    assert f"of ch{blamed} " in said
+@pytest.mark.parametrize("cut", [1, 2, 3, 4])
+@pytest.mark.parametrize(("alone", "with_ring"), [(2e-3, 6e-3), (6e-3, 2e-3)])
+def test_away_from_upright_the_rod_is_named_without_which_the_others_fit(cut, alone, with_ring):
+    """Whichever ran faster: an opposite one whose chamber has more pressure pulls the ring over."""
+    lean = 0.5 * math.pi * (cut - 1) + 0.3
+    leans = rods_at(0.35, lean)
+    pulled = rods_at(0.35 - with_ring / 25e-3, lean)
+    gone = off(pulled, cut, alone + leans[cut - 1] - pulled[cut - 1])
+    half = tuple([0.5 * (a + b) for a, b in zip(leans, gone, strict=True)])
+    assert blame(leans, half, gone).startswith(f"the wire of ch{cut} is slack or cut")
 
 
 @pytest.mark.parametrize(
@@ -164,7 +147,7 @@ def test_a_pose_of_three_rods_is_looked_for_sixty_times_at_most(monkeypatch):
 
 
 def test_after_a_single_check_no_speed_is_known():
-    wrong = off(TILTED, 1, 2e-3)
+    wrong = off(FAR, 1, 2e-3)
     assert blame(wrong).startswith("the anchor of ch1 has slipped")
 
 
@@ -285,20 +268,21 @@ def test_of_two_opposite_rods_that_run_in_the_first_one_let_go(cut, seed):
     bench = WireBench()
     step, other = 2.0**-10, (cut + 2) % 4
     acceleration, delay = rng.uniform(150.0, 400.0), rng.uniform(1e-3, 2e-3)
-    rods = list(TILTED)
+    rods = UPRIGHT
     for _ in range(8):
-        bench.watch.follow(tuple(rods), bench.now)
+        bench.watch.follow(rods, bench.now)
         bench.now += step
     began = bench.now - rng.uniform(0.0, step)
     faster = rng.uniform(1.0, 1.4)
     for _ in range(6):
         t = bench.now - began
-        rods[cut] = TILTED[cut] + 0.5 * acceleration * t**2
-        rods[other] = TILTED[other] + 0.5 * faster * acceleration * max(t - delay, 0.0) ** 2
-        bench.watch.follow(tuple(rods), bench.now)
+        way = 0.5 * faster * acceleration * max(t - delay, 0.0) ** 2  # of the other one: the ring's
+        turned = rods_at(way / 25e-3, 0.5 * math.pi * other)
+        rods = off(turned, cut + 1, 0.5 * acceleration * t**2 - turned[cut])
+        bench.watch.follow(rods, bench.now)
         bench.now += step
     for asked in (cut, other):
-        said = bench.watch.explain_run(tuple(rods), (BASE,) * 4, asked)
+        said = bench.watch.explain_run(rods, (BASE,) * 4, asked)
         assert said.startswith(f"the wire of ch{cut + 1} is slack or cut")
 
 
@@ -333,7 +317,8 @@ def test_the_rod_that_gains_more_for_its_pull_let_go(cut, seed):
     pressures = tuple(rng.uniform(90e3, 300e3, 4))
     watch = pulled(rng, cut, pressures, rng.uniform(-0.06, 0.06))
     for asked in (cut, (cut + 2) % 4):
-        assert watch._leader(asked, rods_at(0.0, 0.0), pressures) == cut
+        said = watch.explain_run(off(rods_at(0.0, 0.0), cut + 1, 2e-3), pressures, asked)
+        assert said.startswith(f"the wire of ch{cut + 1} is slack or cut")
 
 
 @pytest.mark.parametrize("cut", [0, 1, 2, 3])
@@ -343,4 +328,5 @@ def test_far_from_upright_what_is_off_tells_which_rod_let_go(cut):
     other = (cut + 2) % 4
     watch = pulled(rng, other, (200e3,) * 4, 0.0)
     leans = rods_at(0.9, 0.5 * math.pi * cut + 0.8)
-    assert watch._leader(other, off(leans, cut + 1, 6e-3), (200e3,) * 4) == cut
+    said = watch.explain_run(off(leans, cut + 1, 6e-3), (200e3,) * 4, other)
+    assert said.startswith(f"the wire of ch{cut + 1} is slack or cut")

@@ -3,19 +3,18 @@
 import itertools
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Vector
 from rig.hal import SafetyError
+from rig.mechanisms.joint.alarms.runs import RodRuns
 from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm
 
 _HISTORY = 256
-"""So many checks are remembered, a second at 1 kHz …"""
-_RUNS = 512
-"""… and the rods of so many cycles: a wire lets go within a few, between two checks."""
+"""So many checks are remembered, a second at 1 kHz."""
 _SUDDEN = 2
 """Checks within which a wire lets go; a ring that is driven takes longer for the same way."""
 _EXPLAINED = 0.5
@@ -28,19 +27,9 @@ _LEAST_RESIDUAL = 0.25e-3
 """Nor does it while the rods disagree by less (m) than friction and stretch make them."""
 _AT_REST = 0.05
 """A rod below this speed (m/s) is pulling on something again."""
-_CLEAR_RUN = 2.0
-"""A rod that was faster than its opposite by this factor is the one that let go."""
-_BEGINS = 0.1
-"""A run begins when one of two opposite rods exceeds this speed, m/s …"""
-_FIRST = 3
-"""… and shows in so many cycles which one leads: where a wire is cut, its rod moves itself
-alone, and the opposite one the ring as well."""
-_CLEARLY = 0.25
-"""A rod let go if the others fit a pose so much better without it than without its opposite …"""
-_FAR = 1e-3
-"""… which leaves more than this, m: what two rods that run at once make of it says nothing."""
-_LEAST_PULL = 1e3
-"""A chamber that does not move its rod counts as if this much of its pressure (Pa) did."""
+_CLEARLY = 0.5
+"""A rod let go if the others fit a pose so much better without it than without another one, which
+leaves more than `_LEAST_RESIDUAL`: of 110 cut wires 0.4 at most, but near upright."""
 _END = 1e-3
 """A rod is at the end of its cylinder from here on, m."""
 _LEAST_GRACE = 0.2
@@ -120,7 +109,7 @@ class WireWatch:
         self._encoders = tuple(encoders)
         self._channels = tuple(channels)
         self._history: deque[_Readings] = deque(maxlen=_HISTORY)
-        self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
+        self._runs = RodRuns(limits.least_pull)
         self._agreed_at: float | None = None
         self._rods: Quadruple | None = None
         self._changed_at: list[float]
@@ -177,7 +166,7 @@ class WireWatch:
 
     def follow(self, rods: Quadruple, now: float) -> None:
         """Take the rods of a cycle, whether it is checked or not."""
-        self._runs.append((now, rods))
+        self._runs.follow(rods, now)
 
     def axis_of(self, unstretched: Quadruple) -> Vector:
         """Return the axis that rods show; the last one known if they fit no pose."""
@@ -199,14 +188,16 @@ class WireWatch:
         """
         if self.agree(unstretched):
             return None
-        k = self._leader(k, unstretched, pressures)
-        _, off = self._without(unstretched, k)
+        both = (k, (k + 2) % 4)
+        offs = {i: self._without(unstretched, i) for i in both}
+        found = self._who_let_go(both, {i: rest for i, (rest, _) in offs.items()}, pressures)
+        off = offs[found[0]][1]
         if not off > 0.0:
             return None
         ahead = "far" if math.isinf(off) else f"{off * 1e3:.2f} mm"
         return (
-            f"the wire of {self._channels[k]} is slack or cut, or its anchor slips: its rod runs "
-            f"in, {ahead} ahead of where the other three put it"
+            f"the wire of {self._names_of(found)} is slack or cut, or its anchor slips: its rod "
+            f"runs in, {ahead} ahead of where the other three put it"
         )
 
     def agree(self, unstretched: Quadruple) -> bool:
@@ -287,12 +278,12 @@ class WireWatch:
         if off < 0.0:
             which = " or ".join(f"the wire of {self._channels[k]}" for k in suspects)
             return f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
-        runs = sorted(((self._fastest_run(k), k) for k in suspects), key=lambda run: -run[0])
-        fastest = runs[0][1]
-        if len(runs) > 1 and runs[0][0] < _CLEAR_RUN * runs[1][0]:
-            which = " or ".join(self._channels[k] for k in suspects)
+        found = self._who_let_go(suspects, {k: offs[k][0] for k in suspects}, pressures)
+        if len(found) > 1:
+            which = self._names_of(found)
             return f"the wire of {which} is slack or its anchor slips, by {off * 1e3:.2f} mm"
-        return self._explain_wire(fastest, offs[fastest][1], rods[fastest], pressures[fastest])
+        k = found[0]
+        return self._explain_wire(k, offs[k][1], rods[k], pressures[k])
 
     def _explain_wire(self, k: int, off: float, rod: float, pressure: float) -> str:
         name, limits = self._channels[k], self._limits
@@ -319,44 +310,32 @@ class WireWatch:
             return 0.0
         return _speed_between(self._history[-2], self._history[-1], k)
 
-    def _fastest_run(self, k: int) -> float:
-        """Return the fastest that a rod went inwards lately, m/s."""
-        return max(
-            (
-                (rods[k] - before[k]) / (t - then)
-                for (then, before), (t, rods) in itertools.pairwise(self._runs)
-            ),
-            default=0.0,
-        )
+    def _who_let_go(
+        self, suspects: Sequence[int], rests: Mapping[int, float], pressures: Quadruple
+    ) -> tuple[int, ...]:
+        """Return which of some rods that run in has lost its wire; several if nothing tells.
 
-    def _leader(self, k: int, unstretched: Quadruple, pressures: Quadruple) -> int:
-        """Return which of a rod and its opposite one let go.
+        Opposite ones are alike near upright in what is off. There it is the one that gained more
+        speed for what its chamber pulls: it moves itself alone.
 
-        What is off does not tell them apart near upright. There it is the one that gained more
-        speed for what its chamber pulls: it moves itself alone. Speeds alone do not tell: the one
-        whose chamber has more pressure is soon the faster one.
+        Parameters
+        ----------
+        suspects : sequence of int
+            The rods.
+        rests : mapping
+            What is left of the residual without each of them, m.
+        pressures : tuple of float
+            Pa gauge.
         """
-        both = k, (k + 2) % 4
-        rests = [self._without(unstretched, i)[0] for i in both]
-        if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):
-            return both[rests.index(min(rests))]
-        steps = [
-            (t - then, [rods[i] - before[i] for i in both])
-            for (then, before), (t, rods) in itertools.pairwise(self._runs)
-        ]
-        began = len(steps)
-        while began and max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0]:
-            began -= 1
-        if began == len(steps):
-            return k
-        before = max(began - 2, 0)  # the run may have begun within the cycle after this one
-        usual = steps[before][1]
-        pulls = [max(pressures[i] - self._limits.least_pull, _LEAST_PULL) for i in both]
-        gains = [
-            sum(way[i] - usual[i] for _, way in steps[before : began + _FIRST]) / pulls[i]
-            for i in range(2)
-        ]
-        return both[0] if gains[0] >= gains[1] else both[1]
+        most = max(_LEAST_RESIDUAL, min(rests.values()) / _CLEARLY)
+        alike = tuple(k for k in sorted(suspects) if rests[k] <= most)
+        if len(alike) == 1:
+            return alike
+        leader = self._runs.leader(alike, pressures)
+        return alike if leader is None else (leader,)
+
+    def _names_of(self, rods: Sequence[int]) -> str:
+        return " or ".join(self._channels[k] for k in rods)
 
     def _residual_of(self, rods: Quadruple) -> float:
         self._diagnosis.reset()
