@@ -78,6 +78,10 @@ class Problems:
         self.add(mark, message, hint)
         self._broken.add(mark)
 
+    def hush(self, mark: Mark) -> None:
+        """Take no error at a place: what is found there from now on follows from another one."""
+        self._broken.add(mark)
+
     def error(self) -> ProfileError:
         """Return everything as one exception, in the order of the files and lines."""
         order = {source: i for i, source in enumerate(m.source for m, _ in self._found)}

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from rig.config.diagnostics import Problems, ProfileError, shown
+from rig.config.diagnostics import Problems, ProfileError, nearest, shown
 from rig.config.located import BROKEN, Mark, Node, Plain, Source
-from rig.config.names import SUFFIXES, Folder, find_file, is_path
+from rig.config.names import SUFFIXES, Folder, find_file, is_path, list_files
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.setting import Setting
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
@@ -82,6 +82,7 @@ def _load(
         return Document(own, (path,))
     base = _base(extends, folder, search, problems, chain)
     if base is None:
+        problems.hush(root.mark)  # that a key is missing: the base would have had it
         return Document(own, (path,))
     inherited = _load(base, folder, search, problems, chain)
     assert isinstance(inherited.root.value, dict)
@@ -104,18 +105,22 @@ def _base(
         problems.add(extends.mark, f"extends is {shown(extends.plain())}, expected a name or path")
         return None
     try:
+        beside = _beside(name, directory, chain)
         if is_path(name):
             base = directory / name
-        elif is_file(beside := directory / f"{name}.yaml"):
+        elif beside is not None:
             base = beside
         else:
-            base = find_file(name, folder, search)
+            base = _installed(name, directory, folder, search, chain)
         if not base.is_file():
-            raise ConfigurationError(f"there is no file {base}")
+            raise ConfigurationError(f"there is no file {base}{_whole_name(name, beside)}")
         if base.resolve().suffix not in SUFFIXES:  # errors quote lines of what is read
             raise ConfigurationError(f"{base} is no YAML file by its name")
     except (ConfigurationError, OSError, ValueError) as error:
         problems.add(extends.mark, f"extends: {error}")
+        return None
+    if base.resolve() == chain[-1]:
+        problems.add(extends.mark, f"extends: no other {folder[:-1]} is called {name!r}")
         return None
     if base.resolve() in chain:
         problems.add(extends.mark, f"extends: {base} extends this file in turn")
@@ -124,6 +129,32 @@ def _base(
         problems.add(extends.mark, f"extends: a chain of more than {_MAX_CHAIN} files")
         return None
     return base
+
+
+def _beside(name: str, directory: Path, chain: tuple[Path, ...]) -> Path | None:
+    """Return the file of a name, less its suffix, from a folder on; no base of a file is itself."""
+    paths = (directory / f"{name}{suffix}" for suffix in SUFFIXES)
+    return next((path for path in paths if is_file(path) and path.resolve() not in chain), None)
+
+
+def _installed(
+    name: str, directory: Path, folder: Folder, search: Sequence[Path], chain: tuple[Path, ...]
+) -> Path:
+    """Return the first file of a name in the configuration folders; no base of a file is itself."""
+    for configs in search:
+        path = list_files(folder, (configs,)).get(name)
+        if path is not None and path.resolve() not in chain:
+            return path
+    known = {path.stem: path for path in directory.iterdir() if path.suffix in SUFFIXES}
+    known |= list_files(folder, search)
+    if name in known:
+        return known[name]  # in the chain, which is said
+    hint = nearest(name, known) or "there is none beside this file"
+    raise ConfigurationError(f"no {folder[:-1]} is called {name!r}; {hint}")
+
+
+def _whole_name(name: str, beside: Path | None) -> str:
+    return "" if beside is None else f"; did you mean {name}{beside.suffix}?"
 
 
 def parse_mapping(source: Source, problems: Problems) -> Node:

@@ -18,12 +18,13 @@ from rig.config.document import (
 )
 from rig.config.located import Node, places_of
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
-from rig.config.named_files import check_files, with_path_beside
+from rig.config.named_files import beside, check_files, with_path_beside
 from rig.config.named_settings import Registry, controller_names
 from rig.config.names import find_file, is_name, is_path, list_files
 from rig.config.profile import load_profile
 from rig.config.settings import build
 from rig.hal import ConfigurationError
+from rig.hal.files import is_file
 
 EXPERIMENT_KEYS: Final = (
     "extends", "name", "description", "rig", "controller", "reference", "approach", "metrics",
@@ -220,7 +221,8 @@ def _check_names(
     rigs = list_files("rigs", search) if search and not is_path(head.rig) else {head.rig: None}
     if head.rig not in rigs:
         place, _ = root.descend(("rig",))
-        hint = nearest(head.rig, rigs)
+        file = beside(place) / f"{head.rig}.yaml"
+        hint = f"for {file} write rig: {file.name}" if is_file(file) else nearest(head.rig, rigs)
         problems.add(place.mark, f"no rig is called {shown(head.rig)}", hint)
     if head.controller not in controller_names(registry):
         place, _ = root.descend(("controller",))
