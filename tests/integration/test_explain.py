@@ -148,6 +148,7 @@ def test_a_metric_of_one_stretch_is_explained_by_its_measure(capsys):
     ("message", "kind"),
     [
         ("pair force is limited", "limited"),
+        ("valves: the valve of ch2 is stuck or off, or its monitor is off [ch2", "regulator_stuck"),
         (
             "regulators: the chamber of antagonist leaks behind its tube, or its monitor is off, "
             "or the carriage is pushed or held: 9 N are not those of the pressures",

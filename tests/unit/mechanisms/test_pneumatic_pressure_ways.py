@@ -47,3 +47,23 @@ def test_what_is_as_old_as_the_stretch_counts():
         ways.note(now, (pressure,), (2.0 * pressure,))
     assert ways.share_gone(0, 3.9) == 0.5  # of 5 and 1: 7 is gone, or they went farther
     assert math.isnan(ways.share_gone(0, 4.0))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_who_follows_is_told_by_the_slope_over_a_healthy_one(seed):
+    rng = np.random.default_rng([seed, 2])
+    ways = PressureWays(1.0)
+    shown, healthy = rng.normal(200e3, 30e3, (2, 100))
+    for k in range(100):
+        ways.note(1e-3 * k, (shown[k], 0.4 * healthy[k]), (healthy[k], healthy[k]))
+    assert ways.follows(0, 1e3) == pytest.approx(np.polyfit(healthy, shown, 1)[0], rel=1e-6)
+    assert ways.follows(1, 1e3) == pytest.approx(0.4, rel=1e-6)
+    assert math.isnan(ways.follows(1, 60e3))
+
+
+def test_what_goes_far_its_own_way_does_not_follow():
+    ways = PressureWays(1.0)
+    for k in range(100):
+        ways.note(1e-3 * k, (300.0 * k,), (10e3 * math.sin(0.2 * math.pi * k),))
+    assert ways.share_gone(0, 1e3) > 1.0
+    assert abs(ways.follows(0, 1e3)) < 0.3

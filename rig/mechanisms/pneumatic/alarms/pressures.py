@@ -29,9 +29,9 @@ _LEAST_LAG = 2.0
 """A slow regulator would be off by so many times the hysteresis, rms, or the motion cannot show
 that it is slow."""
 _MOVES = 0.5
-"""A pressure that goes more than this share of a healthy one's way follows its setpoints …"""
+"""A pressure that goes so far along with a healthy one follows its setpoints …"""
 _STAYS = 0.25
-"""… and one that goes less than this is held."""
+"""… and one that goes less than this share of its way is held."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -261,20 +261,25 @@ class PressureWatch:
             return (
                 f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
             )
-        share = self._ways.share_gone(k, _LEAST_LAG * self._bounds.loop)
-        if share < _STAYS:
+        least = _LEAST_LAG * self._bounds.loop
+        if self._ways.share_gone(k, least) < _STAYS:
             return f"{self._explain()}, or it is slow"
         if channel.slowness(self._bounds) > channel.most_slow(self._bounds):
             return f"the {part} of {name} is slow, or answers late"
         if abs(channel.off) > self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
-        if share > _MOVES and channel.mean - channel.usual > _ALIKE * bound:
+        follows = self._ways.follows(k, least) > _MOVES
+        if follows and channel.mean - channel.usual > _ALIKE * bound:
             return f"the {part} of {name} fills faster than it empties, or its monitor is off"
         if abs(channel.off) > _ALIKE * self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
+        # A spool that stays just off its middle, or a signal that rests while its setpoint moves
+        # on, lets a pressure creep away.
+        found = f"the {part} of {name} is stuck or off, or its monitor is off"
+        if channel.mean >= channel.usual:
+            return found
         # What is not filled at the moment does not fall short yet.
-        supply = ", or the supply pressure is lost" if channel.mean < channel.usual else ""
-        return f"the {part} or the monitor of {name} is off, or its chamber leaks{supply}"
+        return f"{found}, or its chamber leaks, or the supply pressure is lost"
 
     def suspicion(self) -> str | None:
         """Return what looks wrong now, before it has lasted; None if nothing does."""

@@ -44,6 +44,20 @@ class PressureWays:
         healthy = _rms([row[k] for _, _, row in self._past])
         return _rms([row[k] for _, row, _ in self._past]) / healthy if healthy > least else math.nan
 
+    def follows(self, k: int, least: float) -> float:
+        """Return how much one pressure changes with a healthy one, over the healthy one's change.
+
+        1: it follows; 0: it stays, or goes its own way, however far. Parameters as `share_gone`.
+        """
+        shown = [row[k] for _, row, _ in self._past]
+        healthy = [row[k] for _, _, row in self._past]
+        size = _rms(healthy)
+        if not size > least:
+            return math.nan
+        middle = sum(healthy) / len(healthy)
+        along = sum(one * (other - middle) for one, other in zip(shown, healthy, strict=True))
+        return along / (len(healthy) * size * size)
+
 
 def _rms(values: list[float]) -> float:
     middle = sum(values) / len(values)
