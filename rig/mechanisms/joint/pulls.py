@@ -17,16 +17,13 @@ def pull_balance(settings: JointSettings, regulators: str) -> PullBalance:
     regulators : str
         Their name, for messages.
     """
-    base = settings.area * settings.base_pressure
     return PullBalance(
         settings.area,
         settings.moving_mass,
-        settings.friction.of_pair(base),
+        settings.friction.of_pair(settings.area * settings.base_pressure),
         PAIRS,
         CHANNELS,
         regulators,
         "the ring",
-        settings.friction.of_tension,
-        base,
         -falling_stiffness(settings.geometry, 1.0),
     )

@@ -42,14 +42,9 @@ class JointFriction(SealFriction):
     ring: Annotated[float, Ge(0), Le(1)] = 0.08
     wire: Annotated[float, Ge(0), Le(1)] = 0.10
 
-    @property
-    def of_tension(self) -> float:
-        """The friction that a pair feels of ring and wires, over the tension of all wires, 1."""
-        return 4.0 * self.ring + 2.0 * self.wire * _WRAP
-
     def of_pair(self, tension: float) -> SealFriction:
         """Return what a pair feels of seals, ring and its two wires, all wires at a tension, N."""
-        ball = self.of_tension * tension
+        ball = (4.0 * self.ring + 2.0 * self.wire * _WRAP) * tension
         return SealFriction(
             self.coulomb + ball, self.breakaway + ball, self.stribeck_velocity, self.viscous
         )

@@ -46,12 +46,7 @@ class Instant(NamedTuple):
 
 
 def missing_pull(
-    history: Sequence[Instant],
-    mass: float,
-    friction: SealFriction,
-    *,
-    sticks: bool = False,
-    more_held: float = 0.0,
+    history: Sequence[Instant], mass: float, friction: SealFriction, *, sticks: bool = False
 ) -> float:
     """Return the force that the monitors and the seals leave unexplained, N; 0: nothing.
 
@@ -68,8 +63,6 @@ def missing_pull(
         As the profile has it.
     sticks : bool
         Only if it sticks. A pair that slides fast has other pressures than late monitors say.
-    more_held : float
-        How much more than `friction` says holds a pair that sticks, N, as wires pull harder.
     """
     late = [instant for instant in history if instant.t >= history[-1].t - _LOOK]
     if not late or late[-1].t - late[0].t < 2.0 * _ENDS:
@@ -77,8 +70,7 @@ def missing_pull(
     way = late[-1].place - late[0].place
     if abs(way) < _MOVED:
         held = sum(instant.pull for instant in late) / len(late)
-        most = _MOST_FRICTION * (friction.breakaway + more_held)
-        missing, sign = abs(held) - most, -held
+        missing, sign = abs(held) - _MOST_FRICTION * friction.breakaway, -held
     elif sticks:
         return 0.0
     else:
@@ -105,10 +97,6 @@ class PullBalance:
         The regulators' name, for messages.
     moved : str
         What the pairs move, for messages: ``the carriage``.
-    loaded : float
-        Friction of a pair over the mean pull of a chamber, 1; 0 where pulls do not change it.
-    base : float
-        Mean pull of a chamber at which the friction is as the profile has it, N.
     falling : float
         Force with which tensions pull a pair on, over how far it is off the middle and over the
         mean pull of a chamber, 1/m; 0 where nothing falls.
@@ -123,12 +111,9 @@ class PullBalance:
         channels: Sequence[str],
         device: str,
         moved: str,
-        loaded: float = 0.0,
-        base: float = 0.0,
         falling: float = 0.0,
     ) -> None:
         self._area = area
-        self._loaded, self._base = loaded, base
         self._mass, self._friction, self._falling = mass, friction, falling
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
@@ -165,17 +150,13 @@ class PullBalance:
 
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
         one, other = pair
-        instants, load = [], 0.0
+        instants = []
         for t, rods, pressures in self._history:
             place = 0.5 * (rods[one] - rods[other])
-            mean = sum(pressures) / len(pressures)
-            pull = self._area * (pressures[one] - pressures[other] + self._falling * place * mean)
+            falls = self._falling * place * sum(pressures) / len(pressures)
+            pull = self._area * (pressures[one] - pressures[other] + falls)
             instants.append(Instant(t, place, pull))
-            load = max(load, self._area * mean)
-        more_held = self._loaded * max(load - self._base, 0.0)
-        return missing_pull(
-            instants, self._mass, self._friction, sticks=sticks, more_held=more_held
-        )
+        return missing_pull(instants, self._mass, self._friction, sticks=sticks)
 
 
 def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:
