@@ -5,19 +5,20 @@ the joints go on without a jump, and at the boundary, where the path itself stop
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.inverse import BRANCHES, OutOfReach, reachable
-from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.inverse import BRANCHES, OutOfReach, nearest_turns, reachable, wrist_joints
+from controllers.arm.kinematics import Dimensions, forward, wrist_in_plane
 from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import Joints
+from controllers.arm.types import Joints, Pose
 from controllers.arm.vectors import rotation_error
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
+Inverse = Callable[[float, Joints], list[Joints]]
 
 FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
@@ -26,14 +27,19 @@ _COARSEST = 200
 _SHORTEST = 1e-13
 """Share of the path below which a step is not divided any more: past two near misses at once, of
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
+_LEAVING = 1e-3
+"""Share of the path after which it is looked at how a singularity at its beginning is left."""
 _REFINEMENTS = 8
 """How often steps are halved between which the path is left."""
+_NEWTON = 3
+"""Steps of Newton's method from a place that is interpolated between two samples."""
 _LOOSE = 1e-7
 """Distance of the hand from its path halfway between two samples, m."""
 _LOOSE_TURN = 1e-6
 """The same of the tool, rad."""
 _UNDECIDED = 1e-7
-"""A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
+"""A tool nearer to the forearm's direction than this has no q4 of its own, rad; a wrist nearer to
+the axis of q1, m, has no q1."""
 
 
 class AxisPath:
@@ -75,6 +81,13 @@ class AxisPath:
         """Return how far the hand has gone and turned, s, or a derivative, shape (n, 2)."""
         return np.asarray(self._way(s, order), dtype=np.float64)
 
+    def places(self, nominal: Array) -> Array:
+        """Return the lengths (rad) at which so much nominal time has gone, s, shape (n,)."""
+        s = np.interp(nominal, self.way(self.knots)[:, 0], self.knots)
+        for _ in range(_NEWTON):
+            s = np.clip(s - (self.way(s)[:, 0] - nominal) / self.way(s, 1)[:, 0], 0.0, self.length)
+        return np.asarray(s, dtype=np.float64)
+
     def samples(self, count: int) -> Iterator[tuple[Joints, Joints]]:
         """Yield joints (rad) and their rates at nominal speed (rad/s), evenly along the length."""
         s = np.linspace(0.0, self.length, count)
@@ -83,35 +96,52 @@ class AxisPath:
             yield tuple(q), tuple(rate)
 
 
-def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
+def axis_path_of_line(
+    arm: Dimensions, trajectory: Trajectory, joints_at: Inverse | None = None
+) -> AxisPath:
     """Return the joints along a path that is gone once, through exact hits of shoulder and wrist.
 
     The branch is the one that goes on: through an exact hit c or S5 changes its sign, past a near
     miss q1 or q4 swings round.
+
+    Parameters
+    ----------
+    arm : Dimensions
+        The arm.
+    trajectory : Trajectory
+        The path.
+    joints_at : callable, optional
+        From a nominal time (s) to all joints there (rad), turns nearest to the second argument;
+        if the path is known better than by its poses. Otherwise S3 keeps its sign.
 
     Raises
     ------
     InfeasibleMotion
         The line leaves the workspace.
     """
-    start = trajectory.start
-    nominal, joints = [0.0], [start]
     last = trajectory.duration
     step = last / _COARSEST
-    elbow = 1 if math.sin(start[2] + arm.elbow_angle) >= 0.0 else -1
+    elbow = 1 if math.sin(trajectory.start[2] + arm.elbow_angle) >= 0.0 else -1
     branches = [branch for branch in BRANCHES if branch.elbow == elbow]
 
-    def solve(t: float, guess: Joints) -> Joints | None:
+    def solutions(t: float, guess: Joints) -> list[Joints]:
         try:
-            pose = trajectory.pose(t)
-            found = reachable(arm, pose, branches, guess)
+            if joints_at is not None:
+                return joints_at(t, guess)
+            return reachable(arm, trajectory.pose(t), branches, guess)
         except OutOfReach as error:
             raise InfeasibleMotion(
                 f"{_gone(trajectory, t)} the path leaves the workspace: {error}."
             ) from error
-        best = min(found, key=lambda q: math.dist(q, guess))
-        return None if abs(math.sin(best[4])) < _UNDECIDED else best
 
+    def solve(t: float, guess: Joints) -> Joints | None:
+        found = solutions(t, guess)
+        if t == last:
+            found = [_decided(arm, trajectory.pose(t), q, guess) for q in found]
+        best = min(found, key=lambda q: math.dist(q, guess))
+        return None if abs(math.sin(best[4])) < _UNDECIDED and t < last else best
+
+    nominal, joints = [0.0], [_start(arm, trajectory, solutions)]
     while nominal[-1] < last:
         t = min(nominal[-1] + step, last)
         guess = _extrapolated(nominal, joints, t)
@@ -142,6 +172,43 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
         both = sorted((*rows, *((t, q) for t, q in added if q is not None)), key=lambda row: row[0])
         nominal, joints = [t for t, _ in both], [q for _, q in both]
     return made
+
+
+def _start(arm: Dimensions, trajectory: Trajectory, solutions: Inverse) -> Joints:
+    """Return the joints at a path's beginning; at a singularity those with which it is left.
+
+    There q1, or the difference of q4 and q6, is for whoever begins to choose, and one choice is
+    that from which the joints go on without a jump.
+    """
+    start = trajectory.start
+    if not _is_open(arm, start):
+        return start
+    soon = 0.5 * _LEAVING * trajectory.duration
+    begins = []
+    for first in solutions(soon, start):
+        second = min(solutions(2.0 * soon, first), key=lambda q: math.dist(q, first))
+        if not _is_open(arm, first):
+            guess = _extrapolated([2.0 * soon, soon], [second, first], 0.0)
+            begins.append(_decided(arm, trajectory.pose(0.0), start, guess))
+    return min(begins, key=lambda q: math.dist(q, start), default=start)
+
+
+def _is_open(arm: Dimensions, q: Joints) -> bool:
+    """Return whether a singularity of shoulder or wrist leaves a joint open."""
+    c, _ = wrist_in_plane(arm, q[1], q[2])
+    return abs(math.sin(q[4])) < _UNDECIDED or (abs(c) < _UNDECIDED and arm.offset == 0.0)
+
+
+def _decided(arm: Dimensions, pose: Pose, q: Joints, guess: Joints) -> Joints:
+    """Return joints of a pose with what its singularity leaves open as it is guessed, rad."""
+    c, _ = wrist_in_plane(arm, q[1], q[2])
+    sign = 1 if math.sin(q[4]) >= 0.0 else -1
+    q1 = guess[0] if abs(c) < _UNDECIDED and arm.offset == 0.0 else q[0]
+    q = (q1, q[1], q[2], *wrist_joints(arm, pose, (q1, q[1], q[2]), sign, guess))
+    if abs(math.sin(q[4])) < _UNDECIDED:
+        turn = guess[3] - q[3] if math.cos(q[4]) > 0.0 else q[3] - guess[3]
+        q = (*q[:3], guess[3], q[4], q[5] - turn)
+    return nearest_turns(q, guess)
 
 
 def _loose(arm: Dimensions, trajectory: Trajectory, path: AxisPath) -> list[float]:

@@ -298,7 +298,8 @@ class Esc(ArmLaw[EscSettings]):
     def _one_way(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Return a path that is gone once, as fast as the joints' rates allow."""
         path = axis_path_of_line(self.arm, trajectory)
-        timing = retime_within(path, self.geometry.rate_limits, None, self.period)
+        limits = self.geometry.rate_limits
+        timing = retime_within(path, limits, None, self.period, None, self.longest)
         return follow_axis_path(trajectory, path, timing, self.period, end)
 
 

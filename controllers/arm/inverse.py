@@ -95,16 +95,18 @@ def inverse(arm: Dimensions, pose: Pose, branch: Branch, near: Joints | None = N
             f"{abs(arm.a2 - arm.a3):.9g} m to {arm.a2 + arm.a3:.9g} m"
         )
     elbow = branch.elbow * 2.0 * math.atan2(math.sqrt(outer), math.sqrt(inner))
-    lean = (
-        0.5 * elbow
-        if arm.a2 == arm.a3
-        else math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
-    )
-    q2 = math.atan2(ahead, z) - lean
+    q2 = math.atan2(ahead, z) - lean_of(arm, elbow)
     q3 = elbow - arm.elbow_angle
     position = (q1, q2, q3)
     q = (*position, *wrist_joints(arm, pose, position, branch.wrist, near))
     return q if near is None else nearest_turns(q, near)
+
+
+def lean_of(arm: Dimensions, elbow: float) -> float:
+    """Return the angle from the upper arm to the wrist centre with a bent elbow, both rad."""
+    if arm.a2 == arm.a3:
+        return 0.5 * elbow
+    return math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
 
 
 def reachable(

@@ -28,8 +28,8 @@ _FINE = 2e-3
 _LAST = 0.3
 """Share of a period that the last one has at least."""
 _BRISK = 0.03
-"""Speed of a line that turns back, m/s, and rate of a circle, rad/s, at which a slower one is
-sampled: where the tool does not turn the joints' path is the same at any speed."""
+"""Speed at which a slower line that turns back is sampled, m/s: where the tool does not turn the
+joints' path is the same at any speed."""
 _SHARES = tuple(0.8**k for k in range(20))
 """Of the commanded speed that are tried until a turn-back fits."""
 
@@ -98,7 +98,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
                 torques_for(self.geometry, its, share) for its in (carried, Payload())
             )
             check_held(torques, light, path, grid_of(path), trajectory.speed)
-        return retime_within(path, rates, allowed, self.period, torques)
+        return retime_within(path, rates, allowed, self.period, torques, self.longest)
 
     def promised(self, trajectory: Trajectory) -> Promises:
         """Return what is promised, torques if the path asks for them."""
@@ -113,6 +113,8 @@ class LookAhead(ArmLaw[LookAheadSettings]):
 
         if isinstance(trajectory, PoseTrajectory | TurnTrajectory):
             return axis_path_of_line(self.arm, trajectory)
+        if isinstance(trajectory, CircularTrajectory):
+            return axis_path_of_line(self.arm, trajectory, trajectory.joints_at)
         trajectory, share = self._brisk(trajectory)
         period = _FINE
         samples, duration = self._fine(trajectory, period)
@@ -125,9 +127,6 @@ class LookAhead(ArmLaw[LookAheadSettings]):
     def _brisk(self, trajectory: Trajectory) -> tuple[Trajectory, float]:
         """Return a path at a speed at which it is sampled, and that speed over its own."""
         share = 1.0
-        if isinstance(trajectory, CircularTrajectory):
-            share = max(_BRISK / trajectory.settings.rate, 1.0)
-            return (trajectory if share == 1.0 else trajectory.faster(self.arm, share)), share
         if isinstance(trajectory, StraightTrajectory):
             if trajectory.turn_rate == 0.0 and trajectory.speed < _BRISK:
                 share = _BRISK / trajectory.speed

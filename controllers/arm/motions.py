@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
 from controllers.arm.decomposition import Scale, full_scale, joint_rates
 from controllers.arm.dwell import (
@@ -18,7 +19,7 @@ from controllers.arm.dwell import (
 )
 from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.inverse import branch_of, inverse, reachable
-from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.kinematics import Dimensions, forward, wrist_in_plane
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.promises import check_rates
@@ -28,6 +29,8 @@ from controllers.arm.turn_back import check_start, dwelling, radial_share, time_
 from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
 
+_NEAR_ANOTHER = 0.02
+"""Sine of q5, or c in m: a circle that passes a second singularity nearer is not integrated."""
 _NEAR = 1e-4
 """s, to either side of an instant at which a slope is wanted."""
 
@@ -131,7 +134,10 @@ def forward_along(
 
 
 def circle_motion(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
-    """Yield a circle through a singularity, at full speed throughout.
+    """Return a circle through a singularity, at full speed throughout.
+
+    Where it leads through or past another one as well, the rates are quotients of roundings there:
+    the joints then come from the poses.
 
     References
     ----------
@@ -139,6 +145,9 @@ def circle_motion(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd
     """
     arm, settings = law.arm, trajectory.settings
     side = float(settings.side)
+    path = axis_path_of_line(arm, trajectory, trajectory.joints_at)
+    if _is_near_another(arm, path, settings.through):
+        return _at_full_speed(law, trajectory, path, end)
 
     def rates(t: float, q: Joints) -> Joints:
         velocity = trajectory.wrist_velocity(t)
@@ -150,6 +159,30 @@ def circle_motion(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd
         return elbow_circle_rates(arm, q, velocity, elbow)
 
     return integrated_motion(law, trajectory, rates, lambda _: Scale(1.0, 1.0, 0.0), end)
+
+
+def _is_near_another(arm: Dimensions, path: AxisPath, through: str) -> bool:
+    """Return whether a circle passes the wrist's, or the elbow's circle the axis of q1, nearby."""
+    q = path.joints(path.knots)
+    wrist = float(np.abs(np.sin(q[:, 4])).min())
+    c, _ = np.abs([wrist_in_plane(arm, q2, q3) for q2, q3 in q[:, 1:3].tolist()]).min(axis=0)
+    return wrist < _NEAR_ANOTHER or (through == "elbow" and c < _NEAR_ANOTHER)
+
+
+def _at_full_speed(
+    law: AnyArmLaw, trajectory: Trajectory, path: AxisPath, end: MotionEnd
+) -> Motion:
+    """Yield a path at its nominal speed, whatever the joints need for it."""
+    count = math.ceil(trajectory.duration / law.period - 1e-9)
+    t = law.period * np.arange(count, dtype=np.float64)
+    s = path.places(t)
+    rates = path.joints(s, 1) / path.way(s, 1)[:, :1]
+    rows = zip(t.tolist(), path.joints(s).tolist(), rates.tolist(), strict=True)
+    for at, q, rate in rows:
+        yield Sample(tuple(q), tuple(rate), 1.0, 1.0, trajectory.twist(at))
+    last = tuple(path.joints(np.array([path.length]))[0].tolist())
+    yield Sample(last, AT_REST, 0.0, 0.0, trajectory.twist(trajectory.duration))
+    end.duration = trajectory.duration
 
 
 def integrated_motion(

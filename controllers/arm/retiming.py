@@ -24,6 +24,7 @@ from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST
+from controllers.motion import check_length
 from controllers.reachable_speeds import Rows, reachable_within
 
 Array = NDArray[np.float64]
@@ -177,13 +178,19 @@ def retime_within(
     rate_limits: Sequence[float],
     acceleration_limits: Sequence[float] | Array | None,
     period: float,
-    torques: ArmTorques | None = None,
+    torques: ArmTorques | None,
+    longest: float,
 ) -> Timing:
     """Return the fastest timing whose samples, a period apart, keep the limits.
 
     `retime` meets them at its grid's points. Past a near miss more may be asked between them: a
     joint that passes its limit is told a lower one there, if that does not do, everywhere, and at
     last all of the motion is slowed.
+
+    Raises
+    ------
+    LongMotion
+        It takes longer than `longest`, s.
     """
     grid = grid_of(path)
     needed = None if torques is None else PathTorques(torques, path, grid)
@@ -192,6 +199,7 @@ def retime_within(
         return timing
     strain = Strain(*(np.ones((len(grid), width)) for width in (6, 6, 1, 6)))
     for k in range(_ROUNDS + _STRETCHES):
+        check_length(timing.duration, longest)
         s, speed = timing.at(np.arange(0.0, timing.duration, period))
         if len(s) < 2:
             break

@@ -2,9 +2,18 @@
 
 import copy
 import math
-from dataclasses import replace
 
-from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, reachable, wrist_of_pose
+from controllers.arm.inverse import (
+    BRANCHES,
+    Branch,
+    OutOfReach,
+    inverse,
+    lean_of,
+    nearest_turns,
+    reachable,
+    wrist_joints,
+    wrist_of_pose,
+)
 from controllers.arm.kinematics import (
     Dimensions,
     base_from_forearm,
@@ -200,12 +209,13 @@ class CircularTrajectory:
                     f"a circle through the {settings.through}'s singularity needs an arm without "
                     f"{words}; this one's is {length:g} m."
                 )
-        self.settings = settings
+        self.settings, self._arm = settings, arm
         self.turn_rate = 0.0
         self.r2 = settings.radius
         self.speed = self.r2 * settings.rate
         self.duration = (settings.end - settings.begin) / settings.rate
         touch = self._touch(arm)
+        self._q1, self._elbow = touch[0], 1 if math.sin(touch[2] + arm.elbow_angle) >= 0.0 else -1
         self._rotation: Rotation = forward(arm, touch).rotation
         tool = tuple(row[2] for row in self._rotation)
         self._tool = scaled(tool, arm.d6)  # type: ignore[arg-type]
@@ -228,13 +238,45 @@ class CircularTrajectory:
         self._centre = along(wrist, outwards, -self.r2)
         self.start = self._joints(arm, touch)
 
-    def faster(self, arm: Dimensions, share: float) -> "CircularTrajectory":
-        """Return the same circle with a multiple of its rate."""
-        return CircularTrajectory(arm, replace(self.settings, rate=share * self.settings.rate))
-
     def gamma(self, t: float) -> float:
         """Return the angle on the circle at a nominal time, rad."""
         return self.settings.begin + self.settings.rate * t
+
+    def joints_at(self, t: float, near: Joints) -> list[Joints]:
+        """Return the joints at a nominal time on each branch of the wrist, turns as at `near`.
+
+        The singular angle is that of the circle, not one that a pose would say less and less of.
+
+        References
+        ----------
+        Miyata et al., eq. (8), corrected, and (10).
+        """
+        pose, arm, half = self.pose(t), self._arm, 0.5 * self.gamma(t)
+        x, y, z = wrist_of_pose(arm, pose)
+        if self.settings.through == "shoulder":
+            folded = [branch for branch in BRANCHES if branch.elbow == self._elbow]
+            (_, q2, q3, *_), *_ = reachable(arm, pose, folded, near)
+            c = 2.0 * self.r1 * math.sin(half)
+            elbow = q3 + arm.elbow_angle
+            arms = [(self._q1 + half, c, elbow)]
+        else:
+            root = math.sqrt(self.r1 * self.r2 / (arm.a2 * arm.a3))
+            sine = root * math.sin(half)
+            if abs(sine) > 1.0:
+                raise OutOfReach(
+                    f"the circle is nearer to the shoulder than {abs(arm.a2 - arm.a3):.9g} m"
+                )
+            elbow = 2.0 * self.settings.side * math.asin(sine)
+            c, q1 = math.hypot(x, y), math.atan2(y, x)
+            arms = [(q1, c, elbow), (q1 + math.pi, -c, elbow)]
+        found = []
+        for q1, c, elbow in arms:
+            q2 = math.atan2(c, z - arm.height) - lean_of(arm, elbow)
+            position = (q1, q2, elbow - arm.elbow_angle)
+            for sign in (1, -1):
+                q = (*position, *wrist_joints(arm, pose, position, sign, near))
+                found.append(nearest_turns(q, near))
+        return found
 
     def wrist_velocity(self, t: float) -> Vector:
         """Return the wrist centre's, which is the hand's, m/s."""
@@ -275,7 +317,10 @@ class CircularTrajectory:
         return q1, -lean, q3, q4, q5, q6
 
     def _joints(self, arm: Dimensions, touch: Joints) -> Joints:
-        side = 1 if math.sin(0.5 * self.settings.begin) >= 0.0 else -1
+        half = math.sin(0.5 * self.settings.begin)
+        if abs(half) < _ON_SINGULARITY:  # no inverse says how the joints get through
+            return self._at_touch(arm, touch)
+        side = 1 if half >= 0.0 else -1
         elbow = 1 if math.sin(touch[2] + arm.elbow_angle) >= 0.0 else -1
         wrist = 1 if math.sin(touch[4]) >= 0.0 else -1
         if self.settings.through == "elbow":
@@ -287,6 +332,15 @@ class CircularTrajectory:
             return inverse(arm, self.pose(0.0), branch, touch)
         except OutOfReach as error:
             raise InfeasibleMotion(f"the circle cannot be begun: {error}.") from error
+
+    def _at_touch(self, arm: Dimensions, touch: Joints) -> Joints:
+        """Return the joints at the singularity, after as many times round as the circle begins."""
+        q1, q2, q3, q4, q5, q6 = touch
+        if self.settings.through == "shoulder":
+            q1 += 0.5 * self.settings.begin
+        wrist = 1 if math.sin(q5) >= 0.0 else -1
+        q4, q5, q6 = wrist_joints(arm, self.pose(0.0), (q1, q2, q3), wrist, touch)
+        return nearest_turns((q1, q2, q3, q4, q5, q6), touch)
 
 
 def make_trajectory(arm: Dimensions, settings: ArmPathSettings) -> Trajectory:

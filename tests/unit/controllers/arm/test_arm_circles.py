@@ -1,15 +1,19 @@
 """Circles through the elbow's and the shoulder's singularity; the corrected equations."""
 
+import dataclasses
 import math
+import time
 
 import numpy as np
 import pytest
 from arm_cases import ELBOW_CIRCLE, SHOULDER_CIRCLE
+from twist_oracle import hand_of
 
 from controllers.arm.circles import elbow_rate, shoulder_circle_rates
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, wrist_in_plane
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import Circle
 from controllers.arm.trajectories import CircularTrajectory
 from controllers.motion import InfeasibleMotion
@@ -133,6 +137,61 @@ def test_other_arms_take_circles_as_well(geometry, path):
     plan = follow(path, **geometry)
     assert plan.path_deviation < 1e-8
     assert plan.twist_residual < 1e-8
+
+
+SECOND = {"shoulder": (0.0, 0.0, 2.0, 0.5), "elbow": (0.0, 1.0, 0.0, 0.5)}
+GAMMAS = {"through": (-1.5, 1.5), "from": (0.0, 1.5), "to": (-1.5, 0.0)}
+
+
+def fast(law, path):
+    """Return a plan within the 30 s that such a circle once took, and 40 GiB."""
+    law.longest = 600.0
+    began = time.process_time()
+    plan = law.prepare(path)
+    assert time.process_time() - began < 5.0
+    return plan
+
+
+@pytest.mark.parametrize("gammas", GAMMAS)
+@pytest.mark.parametrize("through", SECOND)
+@pytest.mark.parametrize("rate", [0.39, 0.4])
+def test_a_circle_goes_through_the_wrists_singularity_as_well(through, gammas, rate):
+    """There q4 and q6 are quotients of roundings: they must not turn by a million radians."""
+    begin, end = GAMMAS[gammas]
+    touch = (*SECOND[through], 0.0, 0.0)
+    path = Circle(through, touch, radius=0.15, rate=rate, begin=begin, end=end)
+    for kind, settings in ((Esc, EscSettings()), (LookAhead, LookAheadSettings())):
+        plan = fast(kind(settings, ArmGeometry(), 5e-3), path)
+        assert plan.duration == pytest.approx((end - begin) / rate, abs=0.05)
+        limits = ArmGeometry()
+        assert (plan.rates / np.array(limits.rate_limits)).max() < 0.4
+        circle = CircularTrajectory(ARM, path)
+        for q, place in zip(plan.positions[::7], plan.path[::7], strict=True):
+            at, turn = hand_of(limits, q)
+            assert np.linalg.norm(at - place) < 1e-9
+            assert np.linalg.norm(turn.as_matrix() - np.array(circle.pose(0.0).rotation)) < 1e-8
+
+
+@pytest.mark.parametrize("through", SECOND)
+@pytest.mark.parametrize("miss", [1e-5, 1e-3])
+def test_a_circle_misses_the_wrists_singularity(through, miss):
+    """Known ahead it takes the time that q4 needs; at full speed it is refused with that rate."""
+    path = Circle(through, (*SECOND[through], miss, 0.0), radius=0.15, rate=0.4)
+    path = dataclasses.replace(path, begin=-1.5, end=1.5)
+    plan = fast(LookAhead(LookAheadSettings(), ArmGeometry(), 5e-3), path)
+    assert plan.duration == pytest.approx(7.5 + math.pi / 2, rel=0.02)
+    assert (plan.rates / np.array(ArmGeometry().rate_limits)).max() < 1.001
+    for q, place in zip(plan.positions, plan.path, strict=True):
+        assert np.linalg.norm(hand_of(ArmGeometry(), q)[0] - place) < 1e-7
+    with pytest.raises(InfeasibleMotion, match=r"q[46] would need \d\S+ rad/s, beyond its limit"):
+        fast(Esc(EscSettings(), ArmGeometry(), 5e-3), path)
+
+
+def test_a_motion_that_would_take_too_long_is_refused_before_it_is_sampled():
+    path = Circle(rate=1e-4)
+    law = LookAhead(LookAheadSettings(), ArmGeometry(), 5e-3)
+    with pytest.raises(InfeasibleMotion, match="takes at least"):
+        fast(law, path)
 
 
 def test_a_circle_needs_an_arm_without_shoulder_offset():

@@ -16,7 +16,7 @@ from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
-from controllers.arm.paths import Circle, DwellLine, TurnBack
+from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
 from controllers.arm.region import region_for_twist
 from controllers.motion import InfeasibleMotion
 
@@ -238,14 +238,17 @@ def test_the_regions_may_be_given_as_numbers():
 
 def test_a_hand_off_its_path_is_refused_with_the_rate_at_which_it_is_not():
     """Beside the wrist's singularity q4 turns by radians in a period, and the hand swerves."""
-    path = Circle(touch=(1.3, 1.4, 0.0, 2.1, 1e-3, -2.0), radius=0.05, rate=0.9)
-    message = refusal(path, "paper")
+    path = Line(middle=(0.8, 0.4, 2.0, 0.2, 3e-4, 0.0), direction=(0.8, 0.6, -0.1))
+    law = EscPaper(EscPaperSettings(wrist_region=0.0), FREE, PERIOD)
+    with pytest.raises(InfeasibleMotion) as refused:
+        law.prepare(path)
+    message = str(refused.value)
     assert re.search(
         r"after \S+ s the hand would be \S+ mm off its path, more than 0\.001", message
     )
-    named = float(re.search(r"at a rate of (\S+) rad/s round the circle it would fit", message)[1])
-    slower = dataclasses.replace(path, rate=named)
-    assert faults_of(FREE, slower, plan(slower, "paper"), (2,), ()) == []
+    named = float(re.search(r"at (\S+) m/s it would fit", message)[1])
+    slower = dataclasses.replace(path, speed=named)
+    assert faults_of(FREE, slower, law.prepare(slower), (), ()) == []
 
 
 def test_a_slower_dwell_that_is_refused_for_another_reason_says_that_reason():
