@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Interval, Unit
 
 from controllers.arm.axis_path import axis_path_of_line
+from controllers.arm.circular_trajectory import CircularTrajectory
 from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import LONGEST_STEP
@@ -28,7 +29,7 @@ from controllers.arm.region import (
     region_for_twist,
 )
 from controllers.arm.retiming import follow_axis_path, retime_within
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import (
     Slowing,

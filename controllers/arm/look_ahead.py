@@ -9,6 +9,7 @@ import numpy as np
 from annotated_types import Gt, Le
 
 from controllers.arm.axis_path import FINEST, AxisPath, axis_path_of_line
+from controllers.arm.circular_trajectory import CircularTrajectory
 from controllers.arm.dynamics.carried import check_held, torques_for
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.esc import Esc, EscSettings
@@ -16,7 +17,7 @@ from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, grid_of, retime_within
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion

@@ -8,6 +8,7 @@ import numpy as np
 
 from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
+from controllers.arm.circular_trajectory import CircularTrajectory
 from controllers.arm.decomposition import Scale, full_scale, joint_rates
 from controllers.arm.dwell import (
     elbow_at_depth,
@@ -23,7 +24,7 @@ from controllers.arm.kinematics import Dimensions, forward, wrist_in_plane
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.promises import check_rates
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import check_start, dwelling, radial_share, time_at_depth
 from controllers.arm.types import AT_REST, Joints

@@ -10,12 +10,12 @@ from arm_cases import ELBOW_CIRCLE, SHOULDER_CIRCLE
 from twist_oracle import hand_of
 
 from controllers.arm.circles import elbow_rate, shoulder_circle_rates
+from controllers.arm.circular_trajectory import CircularTrajectory
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, wrist_in_plane
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import Circle
-from controllers.arm.trajectories import CircularTrajectory
 from controllers.motion import InfeasibleMotion
 
 ARM = dimensions_of(ArmGeometry())
