@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
+from rig.cli.compared_runs import INTERRUPTED, Job, run_all
 from rig.cli.names import (
     OneOf,
     configs_option,
@@ -23,22 +24,8 @@ from rig.cli.names import (
 from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
-    from rig.experiment.run import Result
     from rig.hal.closed_loop import ClosedLoop
     from rig.report.comparison import ComparisonRow
-
-
-class _Job(NamedTuple):
-    """One run of a comparison, as it can be handed to another process."""
-
-    label: str
-    experiment: str
-    options: tuple[str, ...]
-    rig: str | None
-    configs: Path | None
-    backend: str
-    out: Path
-    loop: str = ""  # what a linear model says of it; empty: nothing
 
 
 @click.command()
@@ -81,7 +68,8 @@ def compare(
     """Run EXPERIMENT once under each controller or setting; one table, one figure.
 
     A controller that refuses the motion is told, with its reason. Simulated runs go on at the same
-    time, one per processor; a physical rig takes them one after the other.
+    time, one per processor; a physical rig takes them one after the other. Ctrl-C ends all of it,
+    and the table has the runs that were done.
     """
     from rig.cli.announce import may_move
     from rig.config.setting import Setting
@@ -99,20 +87,20 @@ def compare(
         names = _chosen(controllers, tuple(plan.profile.controllers))
     jobs, refused = _permitted(
         [
-            _Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
+            Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
             for label, own in _variants(names, vary)
         ]
     )
-    results = _run_all(jobs, backend)
-    finished = [
-        (job.label, result) for job, result in zip(jobs, results, strict=True) if result.metrics
-    ]
-    for job, result in zip(jobs, results, strict=True):
+    ended, interrupted = run_all(jobs, backend)
+    results = {job.label: ended[job.label] for job in jobs if job.label in ended}
+    for label, result in results.items():
         if result.message is not None:
-            click.echo(f"{job.label}: {result.status}: {result.message}", err=True)
+            click.echo(f"{label}: {result.status}: {result.message}", err=True)
+    if interrupted:
+        click.echo(f"interrupted: {len(results)} of {len(jobs)} runs were done", err=True)
+    finished = {label: result for label, result in results.items() if result.is_measured}
     if finished:
-        paths = [result.path for _, result in finished]
-        labels = [label for label, _ in finished]
+        labels, paths = list(finished), [result.path for result in finished.values()]
         folder = _comparison_folder(out, plan.experiment.name, backend)
         rows = compare_metrics(paths, labels)
         for row in rows:
@@ -124,15 +112,19 @@ def compare(
             "refused": refused,
         }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
-        draw_comparison(paths, labels, folder)
+        if not interrupted:
+            draw_comparison(paths, labels, folder)
         margins = {job.label: job.loop for job in jobs if job.loop and job.label in labels}
         if as_json:
             print_json({**content, "loops": margins})
         else:
             _print_table([*labels, *refused], rows, margins)
-        click.echo(f"figure: {folder / 'compare.png'}", err=True)
+        kept = "compare.json" if interrupted else "compare.png"
+        click.echo(f"{'table' if interrupted else 'figure'}: {folder / kept}", err=True)
+    if interrupted:
+        return INTERRUPTED
     # A bound that one of them misses is a finding of the comparison, not its failure.
-    return max((result.exit_code for result in results if result.exit_code > 1), default=0)
+    return max((result.exit_code for result in results.values() if result.exit_code > 1), default=0)
 
 
 def _chosen(text: str | None, known: Sequence[str]) -> tuple[str, ...]:
@@ -179,7 +171,7 @@ def _variants(names: Sequence[str], vary: str | None) -> list[tuple[str, tuple[s
     ]
 
 
-def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
+def _permitted(jobs: Sequence[Job]) -> tuple[list[Job], dict[str, str]]:
     """Return the jobs whose motion is possible, before any of them moves; and why others are not.
 
     Raises
@@ -217,39 +209,6 @@ def _margin(loop: ClosedLoop) -> str:
     if not loop.stable:
         return "by friction only"
     return "stable" if loop.is_robust else f"sensitivity {loop.sensitivity:.2g}"
-
-
-def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
-    import os
-
-    simulated = backend in ("sim", "virtual")
-    workers = min(len(jobs), os.cpu_count() or 1) if simulated else 1
-    if workers == 1:
-        return [_run(job, watched=True) for job in jobs]
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
-
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(_run, job): job for job in jobs}
-        click.echo(f"{len(jobs)} runs, {workers} at a time …", err=True)
-        for count, done in enumerate(as_completed(futures), 1):
-            said = f"{count} of {len(jobs)} done: {futures[done].label}: {done.result().path}"
-            click.echo(said, err=True)
-        return [future.result() for future in futures]
-
-
-def _run(job: _Job, *, watched: bool = False) -> Result:
-    from rig.assembly import Backend
-    from rig.cli.progress import ProgressLine
-    from rig.experiment.plan import load_plan
-    from rig.experiment.run import run_experiment
-
-    plan = load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
-    backend = Backend(job.backend)
-    if not watched:
-        return run_experiment(plan, backend, job.out, overrides=job.options)
-    with ProgressLine(job.label, job.backend) as line:
-        return run_experiment(plan, backend, job.out, overrides=job.options, watcher=line)
 
 
 def _comparison_folder(out: Path, experiment: str, backend: str) -> Path:

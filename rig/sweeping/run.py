@@ -85,6 +85,7 @@ def run_sweep(
                 coordinator.run(_tasks(source, design, configs, logs))
             except KeyboardInterrupt:
                 end = SweepEnd.INTERRUPTED
+                shown.say("interrupted: no run goes on; writing the table and the figure …")
                 journal.read()
             except SweepStopped as error:
                 trouble = error

@@ -1,0 +1,241 @@
+"""The runs of a comparison, at the same time where they are simulated, and their end by Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import click
+
+if TYPE_CHECKING:
+    from multiprocessing.queues import SimpleQueue
+
+    from rig.run_facts import RunStatus
+
+INTERRUPTED: Final = 130
+_PATIENCE: Final = 1.0
+"""So long a simulated run may take to stop at once and close its books, s."""
+_LOOK: Final = 0.05
+_INTERRUPTS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Job(NamedTuple):
+    """One run of a comparison, as it can be handed to another process."""
+
+    label: str
+    experiment: str
+    options: tuple[str, ...]
+    rig: str | None
+    configs: Path | None
+    backend: str
+    out: Path
+    loop: str = ""  # what a linear model says of it; empty: nothing
+
+
+class Ended(NamedTuple):
+    """A run that has ended.
+
+    Parameters
+    ----------
+    path : Path
+        Its folder.
+    status : RunStatus
+        As in its manifest.
+    exit_code : int
+        Of its command.
+    message : str or None
+        What ended it early.
+    is_measured : bool
+        Whether it has metrics.
+    """
+
+    path: Path
+    status: RunStatus
+    exit_code: int
+    message: str | None
+    is_measured: bool
+
+
+class Compared(NamedTuple):
+    """What became of the runs: of those that came to their end, and whether all were let."""
+
+    ended: dict[str, Ended]
+    interrupted: bool
+
+
+_told: list[SimpleQueue[tuple[str, Path]]] = []
+"""Where a process that runs jobs for another says which folder it works in."""
+
+
+def run_all(jobs: Sequence[Job], backend: str) -> Compared:
+    """Run every job, simulated ones at the same time, until Ctrl-C.
+
+    An interrupted run is not among those that ended: a simulated one is stopped at once, a physical
+    one in the orderly way, and no other begins.
+    """
+    simulated = backend in ("sim", "virtual")
+    workers = min(len(jobs), os.cpu_count() or 1) if simulated else 1
+    ended: dict[str, Ended] = {}
+    with _all_as_ctrl_c():
+        try:
+            if workers == 1:
+                for job in jobs:
+                    ended[job.label] = _run(job, watched=True)
+                    if ended[job.label].exit_code == INTERRUPTED:
+                        del ended[job.label]
+                        raise KeyboardInterrupt
+            else:
+                _run_at_once(jobs, workers, ended)
+        except KeyboardInterrupt:
+            return Compared(ended, interrupted=True)
+    return Compared(ended, interrupted=False)
+
+
+def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> None:
+    """Run jobs in processes of their own; what has ended is noted, also when it is interrupted."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    with _deaf():  # what is begun here hears nothing of the terminal either
+        context = get_context("spawn")
+        started: SimpleQueue[tuple[str, Path]] = context.SimpleQueue()
+        pool = ProcessPoolExecutor(
+            workers, mp_context=context, initializer=_leave_terminal, initargs=(started,)
+        )
+    try:
+        with _deaf():
+            futures = {pool.submit(_run, job): job for job in jobs}
+        click.echo(f"{len(jobs)} runs, {workers} at a time …", err=True)
+        for count, done in enumerate(as_completed(futures), 1):
+            ended[futures[done].label] = done.result()
+            said = f"{count} of {len(jobs)} done: {futures[done].label}: {done.result().path}"
+            click.echo(said, err=True)
+    except BaseException:
+        with _deaf():
+            pool.shutdown(wait=False, cancel_futures=True)
+            folders = _stop_at_once(started)
+            ended.update(_closed_before(folders, ended))
+        raise
+    pool.shutdown()
+
+
+def _leave_terminal(started: SimpleQueue[tuple[str, Path]]) -> None:
+    """Begin a process that runs jobs: Ctrl-C is for the one that began it, and ends it, too."""
+    from multiprocessing import parent_process
+
+    os.setsid()
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPTS)
+    _told.append(started)
+    parent = parent_process()
+    assert parent is not None
+
+    def follow() -> None:
+        parent.join()
+        os.killpg(0, signal.SIGKILL)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+def _stop_at_once(started: SimpleQueue[tuple[str, Path]]) -> dict[str, Path]:
+    """Stop the runs of all processes, then end these; return the folder of each run that began."""
+    from multiprocessing import active_children
+
+    from rig.run_facts import RunStatus
+
+    workers = [child.pid for child in active_children() if child.pid is not None]
+    for _ in range(2):  # one stops a run in the orderly way
+        for pid in workers:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGTERM)
+        sleep(_LOOK)
+    folders: dict[str, Path] = {}
+    until = monotonic() + _PATIENCE
+    while monotonic() < until:
+        while not started.empty():
+            label, path = started.get()
+            folders[label] = path
+        if all(_status_of(path) is not RunStatus.RUNNING for path in folders.values()):
+            break
+        sleep(_LOOK)
+    for pid in workers:  # what draws figures for one is of its group
+        with suppress(ProcessLookupError, PermissionError):
+            os.kill(pid, signal.SIGKILL)
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(pid, signal.SIGKILL)
+    return folders
+
+
+def _status_of(path: Path) -> RunStatus:
+    from rig.run_facts import RunStatus, read_manifest
+
+    return RunStatus(read_manifest(path)["status"])
+
+
+def _closed_before(
+    folders: dict[str, Path], ended: dict[str, Ended]
+) -> Iterator[tuple[str, Ended]]:
+    """Yield the runs that had come to their end, and whose figures were being drawn."""
+    from rig.run_facts import RunStatus
+    from rig.run_folder import RunFolder
+
+    for label, path in folders.items():
+        if label in ended or _status_of(path) not in (RunStatus.OK, RunStatus.FAILED):
+            continue
+        folder = RunFolder.open(path)
+        code = folder.manifest["exit_code"] or 0
+        message = folder.manifest["message"]
+        yield label, Ended(path, folder.status, code, message, bool(folder.metrics()))
+
+
+@contextmanager
+def _all_as_ctrl_c() -> Iterator[None]:
+    """Take the end of a session and SIGTERM for Ctrl-C: none may leave processes behind."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are not ours
+        return
+    before = {number: signal.signal(number, signal.default_int_handler) for number in _INTERRUPTS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Hold back Ctrl-C, which then comes after the block."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _INTERRUPTS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _run(job: Job, *, watched: bool = False) -> Ended:
+    from rig.assembly import Backend
+    from rig.cli.progress import ProgressLine
+    from rig.experiment.plan import load_plan
+    from rig.experiment.run import run_experiment
+    from rig.experiment.watcher import Watcher
+
+    class Telling(Watcher):
+        """Tells the process that began this one which folder a run is in."""
+
+        def started(self, path: Path) -> None:
+            for queue in _told:
+                queue.put((job.label, path))
+
+    plan = load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
+    backend = Backend(job.backend)
+    if watched:
+        with ProgressLine(job.label, job.backend) as line:
+            result = run_experiment(plan, backend, job.out, overrides=job.options, watcher=line)
+    else:
+        result = run_experiment(plan, backend, job.out, overrides=job.options, watcher=Telling())
+    return Ended(result.path, result.status, result.exit_code, result.message, bool(result.metrics))
