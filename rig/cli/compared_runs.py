@@ -62,8 +62,8 @@ class Ended(NamedTuple):
     is_measured: bool
 
 
-class Compared(NamedTuple):
-    """What became of the runs: of those that came to their end, and whether all were let."""
+class ComparedRuns(NamedTuple):
+    """The runs that came to their end, and whether all were let."""
 
     ended: dict[str, Ended]
     interrupted: bool
@@ -73,7 +73,7 @@ _told: list[SimpleQueue[tuple[str, Path]]] = []
 """Where a process that runs jobs for another says which folder it works in."""
 
 
-def run_all(jobs: Sequence[Job], backend: str) -> Compared:
+def run_all(jobs: Sequence[Job], backend: str) -> ComparedRuns:
     """Run every job, simulated ones at the same time, until Ctrl-C.
 
     An interrupted run is not among those that ended: a simulated one is stopped at once, a physical
@@ -93,8 +93,8 @@ def run_all(jobs: Sequence[Job], backend: str) -> Compared:
             else:
                 _run_at_once(jobs, workers, ended)
         except KeyboardInterrupt:
-            return Compared(ended, interrupted=True)
-    return Compared(ended, interrupted=False)
+            return ComparedRuns(ended, interrupted=True)
+    return ComparedRuns(ended, interrupted=False)
 
 
 def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> None:
