@@ -10,7 +10,6 @@ python-can, ``can.interfaces.udp_multicast``: a frame is a msgpack map.
 """
 
 import socket
-from collections import deque
 from collections.abc import Mapping
 from typing import Final
 
@@ -22,8 +21,6 @@ FIRST_PORT: Final = 43113
 _IP_MULTICAST_ALL: Final = 49  # linux/in.h: what others joined is not handed over
 _IPV6_MULTICAST_ALL: Final = 29
 _MOST: Final = 4096  # bytes of a datagram
-_ECHOES: Final = 256
-"""Most frames that are expected back; older ones were lost."""
 _SENDERS: Final = 64
 """Addresses that are remembered as this host's or not."""
 
@@ -31,8 +28,9 @@ _SENDERS: Final = 64
 class MulticastBus(FastCanBus):
     """A group on this host, which no frame leaves.
 
-    A program hears its own frames, too: each is dropped once, since what nobody else has sent must
-    not be taken for another master's.
+    A program hears its own frames, too, and drops them by the port that they came from, which is
+    nobody else's: what nobody else has sent must not be taken for another master's, however many
+    frames wait, and whatever the kernel has lost of them.
 
     Parameters
     ----------
@@ -53,14 +51,15 @@ class MulticastBus(FastCanBus):
         import msgpack
 
         self._pack, self._unpack = msgpack.packb, msgpack.unpackb
-        self._sent: deque[tuple[int, bytes]] = deque(maxlen=_ECHOES)
         self._is_local: dict[str, bool] = {}
         self._dropped = 0
         is_old = ":" not in group
         family = socket.AF_INET if is_old else socket.AF_INET6
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._sender = socket.socket(family, socket.SOCK_DGRAM)
         try:
             self._socket.setblocking(False)
+            self._sender.setblocking(False)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             # No hops: a setpoint must not reach another lab's rig.
             if is_old:
@@ -70,13 +69,16 @@ class MulticastBus(FastCanBus):
                 level, ttl, join = socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, b"\0\0\0\0"
                 every, membership = _IPV6_MULTICAST_ALL, socket.IPV6_JOIN_GROUP
             self._socket.setsockopt(level, ttl, 0)
+            self._sender.setsockopt(level, ttl, 0)
+            self._sender.bind(("", 0))
             self._socket.setsockopt(level, every, 0)
             self._socket.bind((group, port))
             address = socket.inet_pton(family, group)
             self._socket.setsockopt(level, membership, address + join)
         except (OSError, OverflowError):
-            self._socket.close()
+            self.shutdown()
             raise
+        self._own_port = self._sender.getsockname()[1]
         self._group = (group, port)
 
     def drain(self, limit: int) -> list[tuple[int, bytes]]:
@@ -87,17 +89,18 @@ class MulticastBus(FastCanBus):
                 datagram, sender = self._socket.recvfrom(_MOST)
             except BlockingIOError:
                 break
-            frame = self._frame_of(datagram) if self._comes_from_here(sender) else None
+            is_local = self._comes_from_here(sender)
+            if is_local and sender[1] == self._own_port:
+                continue
+            frame = self._frame_of(datagram) if is_local else None
             if frame is None:
                 self._dropped += 1
-            elif frame in self._sent:
-                self._sent.remove(frame)
             else:
                 frames.append(frame)
         return frames
 
     def send_data(self, can_id: int, data: bytes) -> None:
-        """Send one frame, and expect it back.
+        """Send one frame.
 
         Raises
         ------
@@ -117,20 +120,20 @@ class MulticastBus(FastCanBus):
             "bitrate_switch": False,
             "error_state_indicator": False,
         }
-        self._socket.sendto(self._pack(content, use_bin_type=True), self._group)
-        self._sent.append((can_id, bytes(data)))
+        self._sender.sendto(self._pack(content, use_bin_type=True), self._group)
 
     def count_dropped(self) -> int:
         """Return how many datagrams were no frame, or came from elsewhere."""
         return self._dropped
 
     def fileno(self) -> int:
-        """Return the socket's descriptor, to wait for frames; -1 once it is closed."""
+        """Return the descriptor of the socket to wait for frames at; -1 once it is closed."""
         return self._socket.fileno()
 
     def shutdown(self) -> None:
-        """Close the socket. Idempotent."""
+        """Close the sockets. Idempotent."""
         self._socket.close()
+        self._sender.close()
 
     def _frame_of(self, datagram: bytes) -> tuple[int, bytes] | None:
         """Return a datagram's frame, None if it holds none of classic CAN."""
