@@ -13,11 +13,16 @@ from rig.explaining.faults import fault_topics
 from rig.explaining.glossary import Word, glossary
 
 PAGE = Path(__file__).with_name("reference.md")
-_ORDER = ("exit code", "experiment key", "profile key", "control law", "measure", "figure")
+_ORDER = (
+    "exit code", "experiment key", "profile key", "sweep key", "fault scenario key",
+    "control law", "measure", "figure",
+)  # fmt: skip
 _TITLES = {
     "exit code": "Exit codes",
     "experiment key": "Experiment files",
     "profile key": "Profiles",
+    "sweep key": "Sweep files",
+    "fault scenario key": "Scenarios of `rig faults run FILE`",
     "control law": "Control laws",
     "measure": "Measures",
     "figure": "Figures",

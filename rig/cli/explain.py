@@ -40,8 +40,9 @@ _WIDTH = 96
 def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_json: bool) -> int:
     """Say what WORD means, or why a run stopped and what to do; default: the newest run.
 
-    WORD is a key of a profile or experiment (`loop.rate`, or `rate` alone), a measure, a figure,
-    a law, a command, an exit code, a kind of fault, a message of this program in quotes, or a run.
+    WORD is a key of a profile, an experiment, a sweep or a scenario of faults (`loop.rate`, or
+    `rate` alone), a measure, a figure, a law, a command, an exit code, a kind of fault, a message
+    of this program in quotes, or a run.
     """
     if rig is not None:
         from rig.assembly import REGISTRY
@@ -66,7 +67,7 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
     from rig.hal import ConfigurationError
     from rig.hal.files import is_folder
 
-    if word == LATEST or is_folder(runs / word) or is_folder(Path(word)):
+    if word == LATEST or is_folder(runs / word) or _is_path_of_run(word):
         return explain_run(find_run(word, runs))
     known = _known(word)
     if known:
@@ -79,6 +80,15 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
         f"did you mean {' or '.join(near)}?" if near else "`rig explain --help` says what it knows"
     )
     raise ConfigurationError(f"nothing is called {word!r}; {hint}")
+
+
+def _is_path_of_run(word: str) -> bool:
+    """Return whether a word is a path; a folder here that has the name of a key is no run."""
+    from rig.hal.files import is_file, is_folder
+    from rig.run_facts import MANIFEST
+
+    path = Path(word)
+    return is_folder(path) and ("/" in word or is_file(path / MANIFEST))
 
 
 def _known(word: str) -> Sequence[tuple[str, str]]:

@@ -11,12 +11,12 @@ from rig.cli.tables import print_json, visible
 
 
 @click.command()
-@click.argument("kind", type=OneOf(["profile", "experiment", "sweep"]))
+@click.argument("kind", type=OneOf(["profile", "experiment", "sweep", "scenario"]))
 @click.argument("rig", required=False, shell_complete=complete_rig)
 @configs_option
 @json_option
 def schema(kind: str, rig: str | None, configs: Path | None, as_json: bool) -> int:
-    """Print the JSON Schema of a profile, an experiment or a sweep, with --json or without.
+    """Print the JSON Schema of a profile, an experiment, a sweep or a scenario of `rig faults run`.
 
     What packages of others offer is in it if RIG's profile names it: code of theirs runs for no
     other.
@@ -42,6 +42,10 @@ def schema(kind: str, rig: str | None, configs: Path | None, as_json: bool) -> i
         from rig.sweeping.sweep_keys import sweep_schema
 
         print_json(sweep_schema())
+    elif kind == "scenario":
+        from rig.faults.scenario_file import scenario_schema
+
+        print_json(scenario_schema())
     else:
         print_json((profile_schema if kind == "profile" else experiment_schema)(REGISTRY))
     return 0

@@ -130,6 +130,7 @@ _WORDS = {
     "dict_type": "a mapping",
     "none_required": "nothing",
     "literal_error": "{expected}",
+    "enum": "{expected}",
     "too_short": "at least {min_length} values",
     "too_long": "at most {max_length} values",
     "string_too_short": "at least {min_length} characters",
@@ -146,7 +147,7 @@ def _bound(bound: object, unit: str | None) -> str:
 
 
 def _choice(place: Node, context: Mapping[str, object], kind: str) -> str | None:
-    if kind != "literal_error" or not isinstance(place.value, str):
+    if kind not in ("literal_error", "enum") or not isinstance(place.value, str):
         return None
     text = str(context.get("expected", ""))
     return nearest(place.value, [part for part in text.split("'") if part.strip(" ,or")])

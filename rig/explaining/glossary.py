@@ -16,6 +16,7 @@ from rig.explaining.exit_codes import EXIT_CODES
 Schema = Mapping[str, object]
 
 PROFILE, EXPERIMENT, MEASURE = "profile key", "experiment key", "measure"
+SWEEP, SCENARIO = "sweep key", "fault scenario key"
 LAW, FIGURE, EXIT_CODE = "control law", "figure", "exit code"
 
 
@@ -44,8 +45,17 @@ class Word(NamedTuple):
 
 
 def glossary() -> tuple[Word, ...]:
-    """Return every key of profiles and experiments, law, measure, figure and exit code."""
-    return (*_profile_keys(), *_experiment_keys(), *without_keys())
+    """Return every key of files, law, measure, figure and exit code."""
+    from rig.faults.scenario_file import Scenario
+    from rig.sweeping.sweep_keys import SweepKeys
+
+    return (
+        *_profile_keys(),
+        *_experiment_keys(),
+        *_keys(SWEEP, "", "", SweepKeys),
+        *_keys(SCENARIO, "", "", Scenario),
+        *without_keys(),
+    )
 
 
 def without_keys() -> tuple[Word, ...]:
@@ -123,7 +133,8 @@ def _below(word: Word, schema: Schema, definitions: Mapping[str, Schema]) -> Ite
         name = f"{word.name}.{key}".lstrip(".")
         text = str(content.get("description", ""))
         default = _shown(content["default"]) if "default" in content else ""
-        sections = [definitions[name] for name in _references(content)]
+        referred = [definitions[name] for name in _references(content)]
+        sections = [section for section in referred if "properties" in section]
         own = word._replace(name=name, text=text, default="" if sections else default)
         yield own
         for section in sections:

@@ -12,7 +12,8 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import load_document
 from rig.config.located import Node
 from rig.config.named_files import with_path_beside
-from rig.config.settings import build
+from rig.config.schema import DIALECT, Schema
+from rig.config.settings import adapter, build
 from rig.faults.case import Break, Case, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for
 from rig.faults.subject import Subject
@@ -42,11 +43,11 @@ class Next:
     Parameters
     ----------
     fault : str
-        As `rig faults list` calls it.
+        What breaks, as `rig faults list RIG` calls it.
     where : str
         One of its places; may be left out if there is one only.
     magnitude : float, optional
-        How much, in the unit that the list says.
+        How much, in the unit that `rig faults list RIG` says.
     lasts : float, optional
         For how long, s; for good without.
     after : float
@@ -62,15 +63,23 @@ class Next:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A file of one case; see `Next` for what is not said here.
+    """A file of one case.
 
     Parameters
     ----------
-    rig, experiment : str
-        What is run, by name or by the path of a file from this one on: an experiment, or in the
-        phase ``calibration`` a procedure.
-    fault, where, magnitude, lasts
-        What breaks.
+    rig : str
+        What is broken: a profile's name, or the path of its file from this one on.
+    experiment : str
+        What it does meanwhile: an experiment's name or path, or in the phase ``calibration`` the
+        procedure.
+    fault : str
+        What breaks, as `rig faults list RIG` calls it.
+    where : str
+        One of its places; may be left out if there is one only.
+    magnitude : float, optional
+        How much, in the unit that `rig faults list RIG` says.
+    lasts : float, optional
+        For how long, s; for good without.
     when : When
         At which moment.
     then : Next, optional
@@ -126,6 +135,16 @@ def load_scenario(path: Path) -> LocatedScenario:
     problems.raise_if_any()
     assert scenario is not None
     return LocatedScenario(scenario, root)
+
+
+def scenario_schema() -> Schema:
+    """Return the JSON Schema of a file of faults, draft 2020-12."""
+    made = adapter(Scenario).json_schema()
+    for section in (made, made["$defs"]["Next"]):
+        # A rig's own plant may know more of them, so another text is no error.
+        fault = section["properties"]["fault"]
+        fault["anyOf"] = [{"enum": list(KINDS)}, {"type": fault.pop("type")}]
+    return {"$schema": DIALECT, **made, "title": "Scenario"}
 
 
 def _from_here(root: Node) -> Node:
