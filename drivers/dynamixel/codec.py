@@ -9,10 +9,11 @@ ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0" (packets, byte stuffing, processing o
 "CRC Calculation" (CRC-16 with polynomial 0x8005, start value 0, not reflected).
 """
 
-import struct
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import Final, NamedTuple
+
+from fastcrc import crc16
 
 HEADER: Final = b"\xff\xff\xfd\x00"
 BROADCAST_ID: Final = 0xFE
@@ -23,7 +24,6 @@ FAST_OVERHEAD: Final = 4  # of a block in a fast reply: error, id, CRC
 
 _MARK: Final = b"\xff\xff\xfd"  # must not occur inside a packet
 _STUFFED: Final = b"\xff\xff\xfd\xfd"
-_POLYNOMIAL: Final = 0x8005
 
 
 class Instruction(IntEnum):
@@ -56,24 +56,8 @@ class Status(NamedTuple):
     data: bytes
 
 
-def _crc_of_byte(byte: int) -> int:
-    crc = byte << 8
-    for _ in range(8):
-        crc = (crc << 1) ^ (_POLYNOMIAL if crc & 0x8000 else 0)
-    return crc & 0xFFFF
-
-
-_CRC_TABLE: Final = tuple(_crc_of_byte(byte) for byte in range(256))
-# Of two bytes at once, as the CRC has 16 bits: a step per word is four times as fast.
-_CRC_OF_WORD: Final = tuple(
-    (first << 8 & 0xFFFF) ^ _CRC_TABLE[first >> 8 ^ second]
-    for first in _CRC_TABLE
-    for second in range(256)
-)
-
-
 def compute_crc(data: bytes, crc: int = 0) -> int:
-    """Return the CRC-16 of bytes.
+    """Return the CRC-16 of bytes; catalogues call this one UMTS.
 
     Parameters
     ----------
@@ -82,13 +66,7 @@ def compute_crc(data: bytes, crc: int = 0) -> int:
     crc : int
         Of what came before, to go on from there.
     """
-    count, odd = divmod(len(data), 2)
-    table = _CRC_OF_WORD
-    for word in struct.unpack_from(f">{count}H", data):
-        crc = table[crc ^ word]
-    if odd:
-        crc = (crc << 8 & 0xFFFF) ^ _CRC_TABLE[crc >> 8 ^ data[-1]]
-    return crc
+    return crc16.umts(data, crc)
 
 
 def stuff(content: bytes) -> bytes:
@@ -205,16 +183,14 @@ def decode_fast_status(packet: bytes, size: int) -> list[Status | None]:
     at = INSTRUCTION_AT + 1
     crc = heard = compute_crc(packet[:at])
     for end in range(at + stride, len(packet) + 1, stride):
-        body = packet[at : end - CRC_SIZE]
-        low, high = packet[end - 2], packet[end - 1]
-        found = low | high << 8
+        body, tail = packet[at : end - CRC_SIZE], packet[end - CRC_SIZE : end]
+        found = tail[0] | tail[1] << 8
         ours = compute_crc(body, crc)
         if ours == found or (heard != crc and compute_crc(body, heard) == found):
             blocks.append(Status(body[1], body[0], body[2:]))
         else:
             blocks.append(None)
-        tail = low << 8 | high
-        crc, heard = _CRC_OF_WORD[ours ^ tail], _CRC_OF_WORD[found ^ tail]
+        crc, heard = compute_crc(tail, ours), compute_crc(tail, found)
         at = end
     return blocks
 
