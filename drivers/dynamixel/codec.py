@@ -190,7 +190,8 @@ def decode_fast_status(packet: bytes, size: int) -> list[Status | None]:
             blocks.append(Status(body[1], body[0], body[2:]))
         else:
             blocks.append(None)
-        crc, heard = compute_crc(tail, ours), compute_crc(tail, found)
+        crc = compute_crc(tail, ours)
+        heard = crc if ours == found else compute_crc(tail, found)
         at = end
     return blocks
 
