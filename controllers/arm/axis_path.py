@@ -27,6 +27,8 @@ _COARSEST = 200
 _SHORTEST = 1e-13
 """Share of the path below which a step is not divided any more: past two near misses at once, of
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
+_LOOKED_AT = 500
+"""Places of a path that leaves the workspace at which it is looked at by how much."""
 _LEAVING = 1e-3
 """Share of the path after which it is looked at how a singularity at its beginning is left."""
 _REFINEMENTS = 8
@@ -124,14 +126,18 @@ def axis_path_of_line(
     elbow = 1 if math.sin(trajectory.start[2] + arm.elbow_angle) >= 0.0 else -1
     branches = [branch for branch in BRANCHES if branch.elbow == elbow]
 
+    def reached(t: float, guess: Joints) -> list[Joints]:
+        if joints_at is not None:
+            return joints_at(t, guess)
+        return reachable(arm, trajectory.pose(t), branches, guess)
+
     def solutions(t: float, guess: Joints) -> list[Joints]:
         try:
-            if joints_at is not None:
-                return joints_at(t, guess)
-            return reachable(arm, trajectory.pose(t), branches, guess)
+            return reached(t, guess)
         except OutOfReach as error:
             raise InfeasibleMotion(
-                f"{_gone(trajectory, t)} the path leaves the workspace: {error}."
+                f"{_gone(trajectory, t)} the path leaves the workspace: {error}. "
+                f"{_farthest(trajectory, t, error, reached)}"
             ) from error
 
     def solve(t: float, guess: Joints) -> Joints | None:
@@ -225,6 +231,18 @@ def _loose(arm: Dimensions, trajectory: Trajectory, path: AxisPath) -> list[floa
         if math.dist(wanted.position, made.position) > _LOOSE or turned > _LOOSE_TURN:
             found.append(s)
     return found
+
+
+def _farthest(trajectory: Trajectory, t: float, left: OutOfReach, reached: Inverse) -> str:
+    """Return in words where a path, left at an instant, is farthest outside of the workspace."""
+    beyond = [(left.beyond, t)]
+    for at in np.linspace(0.0, trajectory.duration, _LOOKED_AT).tolist():
+        try:
+            reached(at, trajectory.start)
+        except OutOfReach as error:
+            beyond.append((error.beyond, at))
+    most, at = max(beyond)
+    return f"It is farthest outside {_gone(trajectory, at)}, by {1e3 * most:.3g} mm."
 
 
 def _gone(trajectory: Trajectory, t: float) -> str:

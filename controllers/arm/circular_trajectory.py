@@ -94,7 +94,8 @@ class CircularTrajectory:
             sine = root * math.sin(half)
             if abs(sine) > 1.0:
                 raise OutOfReach(
-                    f"the circle is nearer to the shoulder than {abs(arm.a2 - arm.a3):.9g} m"
+                    f"the circle is nearer to the shoulder than {abs(arm.a2 - arm.a3):.9g} m",
+                    abs(arm.a2 - arm.a3) - math.hypot(x, y, z - arm.height),
                 )
             elbow = 2.0 * self.settings.side * math.asin(sine)
             c, q1 = math.hypot(x, y), math.atan2(y, x)

@@ -9,6 +9,8 @@ from controllers.arm.kinematics import Dimensions
 from controllers.arm.types import Joints, Pose, Vector
 
 _TURN = 2.0 * math.pi
+_ROUNDING = 1e-8
+"""m: a wrist centre that is no farther beyond its reach is at the boundary."""
 
 
 class Branch(NamedTuple):
@@ -23,7 +25,17 @@ BRANCHES = tuple(Branch(*signs) for signs in product((1, -1), repeat=3))
 
 
 class OutOfReach(ValueError):
-    """No joints lead to the pose."""
+    """No joints lead to the pose.
+
+    Attributes
+    ----------
+    beyond : float
+        How far the wrist centre is outside, m.
+    """
+
+    def __init__(self, message: str, beyond: float) -> None:
+        super().__init__(message)
+        self.beyond = beyond
 
 
 def wrist_of_pose(arm: Dimensions, pose: Pose) -> Vector:
@@ -78,7 +90,8 @@ def inverse(arm: Dimensions, pose: Pose, branch: Branch, near: Joints | None = N
     if beyond < 0.0:
         raise OutOfReach(
             f"the wrist centre is {math.hypot(x, y):.6g} m from the axis of q1, within the "
-            f"shoulder's offset of {abs(arm.offset):g} m"
+            f"shoulder's offset of {abs(arm.offset):g} m",
+            abs(arm.offset) - math.hypot(x, y),
         )
     c = branch.shoulder * math.sqrt(beyond)
     if beyond == 0.0 and arm.offset == 0.0:
@@ -89,11 +102,14 @@ def inverse(arm: Dimensions, pose: Pose, branch: Branch, near: Joints | None = N
     r = math.hypot(ahead, z)
     outer = (arm.a2 + arm.a3 - r) * (arm.a2 + arm.a3 + r)
     inner = (r - arm.a2 + arm.a3) * (r + arm.a2 - arm.a3)
-    if outer < 0.0 or inner < 0.0:
+    least = -_ROUNDING * (arm.a2 + arm.a3 + r)
+    if outer < least or inner < least:
         raise OutOfReach(
             f"the wrist centre is {r:.9g} m from the shoulder; the arm reaches from "
-            f"{abs(arm.a2 - arm.a3):.9g} m to {arm.a2 + arm.a3:.9g} m"
+            f"{abs(arm.a2 - arm.a3):.9g} m to {arm.a2 + arm.a3:.9g} m",
+            max(r - arm.a2 - arm.a3, abs(arm.a2 - arm.a3) - r),
         )
+    outer, inner = max(outer, 0.0), max(inner, 0.0)
     elbow = branch.elbow * 2.0 * math.atan2(math.sqrt(outer), math.sqrt(inner))
     q2 = math.atan2(ahead, z) - lean_of(arm, elbow)
     q3 = elbow - arm.elbow_angle

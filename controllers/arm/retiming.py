@@ -249,7 +249,11 @@ def _shares(
     hand = fastest(path.way(s), way).max(axis=1, keepdims=True)
     harder = np.zeros_like(over)
     if acceleration_limits is not None:
-        harder = np.abs(np.diff(rates, axis=0)) / (period * np.array(acceleration_limits))
+        most = period * np.array(acceleration_limits)
+        harder = np.abs(np.diff(rates, axis=0)) / most
+        # Drives see the positions alone: next to a corner of the joints' path these say more.
+        turns = np.abs(np.diff(path.joints(s), 2, axis=0)) / (period * most)
+        harder[1:], harder[:-1] = np.maximum(harder[1:], turns), np.maximum(harder[:-1], turns)
     return Strain(over, harder, hand, np.zeros_like(over))
 
 
