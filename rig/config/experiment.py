@@ -11,6 +11,7 @@ from annotated_types import Interval, Unit
 from rig.config.code_sections import Sections
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import (
+    Override,
     apply_overrides,
     load_document,
     parse_overrides,
@@ -130,7 +131,7 @@ def load_experiment(
         metrics={name: spec for name, spec in metrics.items() if spec is not None},
         figures=head.figures,
         files=document.files,
-        places=_places(root),
+        places=_places(root, options),
         unitless=_unitless(reference_node, reference[1]),
     )
 
@@ -189,9 +190,14 @@ def _metric(node: Node, problems: Problems) -> MetricSpec | None:
     return build(MetricSpec, with_plain_quantities(node, ("max", "min"), problems), problems)
 
 
-def _places(root: Node) -> dict[str, str]:
+def _places(root: Node, options: Iterable[Override]) -> dict[str, str]:
     """Return where each key stands; of the file's own keys those that messages call by name."""
     places = dict(places_of(root))
+    for key in {*places, *_OWN}:
+        own = (o.node.key.told for o in options if o.keys[0] == key and o.node.key is not None)
+        changed = ", ".join(dict.fromkeys(own))
+        if changed and key in places and places[key] not in changed:
+            places[key] = f"{changed}; over {places[key]}"
     return places | {f"experiment.{key}": places[key] for key in _OWN if key in places}
 
 

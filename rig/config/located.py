@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
@@ -37,6 +38,13 @@ class Source:
         self.is_whole = is_whole
         self._seen = text if seen is None else seen
 
+    @property
+    def option(self) -> str:
+        """The option as it was written, if this is the text of one; else nothing."""
+        if self.is_whole:
+            return self.name
+        return f"{self.name} {self._seen}" if self.name.startswith("--") else ""
+
     @cached_property
     def lines(self) -> list[str]:
         """The lines that are shown, without their ends."""
@@ -58,6 +66,11 @@ class Mark(NamedTuple):
     def __str__(self) -> str:
         source = self.source
         return source.name if source.is_whole else f"{source.name}:{self.line}:{self.column}"
+
+    @property
+    def told(self) -> str:
+        """The place in words, where no line of it is shown: an option is its own text."""
+        return self.source.option or str(self)
 
 
 class Broken:
@@ -140,11 +153,13 @@ def places_of(node: Node, name: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(node.value, dict):
         for key, below in node.value.items():
             dotted = f"{name}.{key}" if name else key
-            yield dotted, str(below.heading)
+            yield dotted, below.heading.told
             yield from places_of(below, dotted)
 
 
-def places_named(message: str, places: Mapping[str, str]) -> str:
+def places_named(
+    message: str, places: Mapping[str, str], others: Mapping[str, str] = MappingProxyType({})
+) -> str:
     """Return a message with the place of each setting and each device that it names.
 
     Parameters
@@ -153,6 +168,8 @@ def places_named(message: str, places: Mapping[str, str]) -> str:
         Of a rule that holds one part of a file against another.
     places : mapping of str to str
         Where each key stands, by its dotted name.
+    others : mapping of str to str
+        The same of another file; its keys are meant by names with a dot only.
     """
     said = message.partition("; there are ")[0]  # what else there is has no part in it
     words = {word.strip(".") for word in _DOTTED.findall(said)}
@@ -161,5 +178,11 @@ def places_named(message: str, places: Mapping[str, str]) -> str:
         for key, place in places.items()
         for word in words
         if (key == word or key.endswith(f".{word}")) and ("." in word or key.count(".") == 1)
+    }
+    named |= {
+        f"    {key}: {place}"
+        for key, place in others.items()
+        for word in words
+        if "." in word and (key == word or key.endswith(f".{word}"))
     }
     return "\n".join([message, *sorted(named)[:_MOST_PLACES]])

@@ -41,8 +41,12 @@ def report(
                 place.heading, f"key {missing!r} is missing", _wanted(settings, path, missing)
             )
     elif kind == "extra_forbidden":
-        owner = hint_at(settings, path[:-1])
-        valid = [f.name for f in fields(owner)] if is_dataclass(owner) else []
+        valid = [
+            f.name
+            for owner in _owners(hint_at(settings, path[:-1]))
+            for f in fields(owner)
+            if f.init
+        ]
         if len(path) == 1:
             valid.extend(also)
         hint = None if problems.are_many else nearest(str(path[-1]), valid)
@@ -58,6 +62,13 @@ def report(
         expected = _expected(kind, context, hint_at(settings, path))
         message = f"{name} is {shown(place.plain())}, expected {expected}"
         problems.add(place.mark, message, _choice(place, context, kind))
+
+
+def _owners(hint: object) -> list[type]:
+    """Return the dataclasses whose keys a mapping may have: those of all arms of a choice."""
+    bare, _ = split_annotated(hint)
+    arms = get_args(bare) if is_union(bare) else (bare,)
+    return [arm for arm in arms if isinstance(arm, type) and is_dataclass(arm)]
 
 
 def _may_map(settings: type, path: tuple[str | int, ...]) -> bool:
@@ -79,7 +90,7 @@ def _others(place: Node, message: str) -> str | None:
     }
     if len(named) < 2:
         return None
-    told = ", ".join(f"{key} in {node.heading}" for key, node in named.items())
+    told = ", ".join(f"{key} in {node.heading.told}" for key, node in named.items())
     lists = any(isinstance(node.value, list) for node in named.values())
     empty = ", [] where a list must stay one" if lists else ""
     return f"{told}; null takes back what a base gives{empty}"

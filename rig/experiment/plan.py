@@ -159,7 +159,7 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     try:
         _check_figures(experiment, profile.mechanism, columns)
     except SeveralErrors as error:
-        found.append(_of_experiment(error, experiment))
+        found.append(_of_experiment(error, experiment, profile))
     try:
         experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
@@ -168,7 +168,7 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
             experiment = _with_reported_metrics(experiment, profile.mechanism)
         _check_metrics(experiment, motion, profile, columns)
     except ConfigurationError as error:
-        found.append(_of_experiment(error, experiment))
+        found.append(_of_experiment(error, experiment, profile))
         if experiment.unitless and not isinstance(error, SeveralErrors):
             found[-1] = type(error)("\n".join([str(found[-1]), *experiment.unitless]))
             found[-1].__cause__ = error
@@ -178,10 +178,12 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     return Plan(experiment, profile, controller, motion)
 
 
-def _of_experiment(error: ConfigurationError, experiment: Experiment) -> ConfigurationError:
+def _of_experiment(
+    error: ConfigurationError, experiment: Experiment, profile: Profile
+) -> ConfigurationError:
     """Return an error with the experiment's name, and the place of each key that it names."""
     told = [
-        f"{experiment.name}: {places_named(text, experiment.places)}"
+        f"{experiment.name}: {places_named(text, experiment.places, profile.places)}"
         for text in SeveralErrors.told_by(error)
     ]
     made = SeveralErrors(told) if isinstance(error, SeveralErrors) else type(error)(told[0])

@@ -35,7 +35,7 @@ def test_each_value_names_who_says_it(tmp_path, capsys):
     expected = {
         "cylinder.bore": ("0.02", f"{mine}:3:3"),
         "devices.encoder-agonist.offset": ("0.00015", f"{overlay}:2:3"),
-        "loop.spin": ("true", "--set:1:1"),
+        "loop.spin": ("true", "--set loop.spin=true"),
         "loop.max_missed": ("5", "default"),
         "devices.regulators.channels.agonist.setpoint.voltage": ("0, 10", None),
         "cylinder.rod": ("0.005", None),

@@ -136,3 +136,41 @@ def test_reversed_limits_are_told_beside_all_the_rest(rig, seed, tmp_path, capsy
 def test_no_more_places_are_told_than_help(tmp_path, capsys):
     _, err = said_of(tmp_path, "extends: cylinder\ncylinder:\n  regulators: nobody\n", capsys)
     assert err.count("\n    ") <= 6
+
+
+def refused(capsys, *options):
+    words = ["run", "cylinder-sine", "--on", "sim"]
+    assert invoke([*words, *(word for option in options for word in ("--set", option))]) == 2
+    return capsys.readouterr().err
+
+
+def test_an_option_that_makes_a_motion_impossible_is_named_before_the_file(capsys):
+    err = refused(capsys, "reference.amplitude=200mm")
+    place = r"experiment\.reference: --set reference\.amplitude=200mm; over \S+sine\.yaml:\d+:\d+\n"
+    assert re.search(place, err), err
+    assert re.search(r"cylinder\.limits\.position: \S+cylinder\.yaml:\d+:\d+\n", err), err
+
+
+def test_an_option_of_the_profile_is_named_for_what_it_forbids(capsys):
+    err = refused(capsys, "cylinder.limits.speed=1mm/s", "approach=3 s")
+    assert "cylinder.limits.speed: --set cylinder.limits.speed=1mm/s\n" in err
+    assert re.search(r"experiment\.reference: \S+sine\.yaml:\d+:\d+\n", err), err
+
+
+def test_several_options_of_one_key_are_all_named(capsys):
+    first, second = "reference.amplitude=9mm", "reference.tones=[{frequency: 40 Hz, periods: 2}]"
+    err = refused(capsys, first, second)
+    assert f"experiment.reference: --set {first}, --set {second}; over " in err
+
+
+def test_a_value_of_vary_is_named_as_it_was_written(capsys):
+    words = ["compare", "cylinder-sine", "--on", "sim", "--vary", "reference.amplitude=201mm,202mm"]
+    assert invoke(words) == 2
+    err = capsys.readouterr().err
+    assert "experiment.reference: --vary reference.amplitude=202mm; over " in err
+
+
+def test_a_hint_offers_no_key_that_no_file_has(tmp_path, capsys):
+    text = "extends: cylinder-sine\nreference: {offset: 1 mm}\n"
+    _, err = said_of(tmp_path, text, capsys)
+    assert "unknown key 'offset'" in err and "there are: amplitude, kind, tones" in err
