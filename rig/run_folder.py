@@ -111,7 +111,7 @@ class RunFolder:
         started = datetime.now(UTC) if now is None else now.astimezone(UTC)
         path: Path | None = None
         try:
-            path = _make_unique(Path(out), f"{started:%Y-%m-%dT%H%M%SZ}-{experiment}-{backend}")
+            path = make_unique(Path(out), f"{started:%Y-%m-%dT%H%M%SZ}-{experiment}-{backend}")
             events_fd = os.open(path / EVENTS, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
             with contextlib.suppress(OSError):  # no locks on some network file systems
                 fcntl.flock(events_fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -340,8 +340,8 @@ class RunFolder:
             write_json(self.path / MANIFEST, self.manifest)
 
 
-def _make_unique(out: Path, name: str) -> Path:
-    """Make a folder that was not there; a second run in the same second gets a suffix."""
+def make_unique(out: Path, name: str) -> Path:
+    """Make a folder that was not there; a second one of the name gets a suffix."""
     out.mkdir(parents=True, exist_ok=True)
     suffix = 1
     while True:

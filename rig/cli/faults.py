@@ -183,18 +183,17 @@ def run(
     for name in scenarios:
         if breaks or hours is not None or experiments:
             raise click.UsageError(f"{name} says itself what breaks, once, and in what")
-    folder = out / f"seed-{seed}"
-    make_folder(folder)
     if hours is not None:
         subjects = [_survey(rig, experiments, configs) for rig in rigs or RIGS]
         drawn = draw_quiet(subjects, hours, seed, configs, Backend(on))
-        return _be_quiet(drawn, folder, workers, as_json)
+        return _be_quiet(drawn, make_folder(out, seed), workers, as_json)
     jobs: list[Job] = []
     for name in rigs or RIGS:
         if name in scenarios:
             jobs.append(_scenario_job(Path(name), configs))
         else:
             jobs += _jobs(name, full, count, only, experiments, seed, configs)
+    folder = make_folder(out, seed)
     with CampaignProgress(len(jobs)) as progress:
         verdicts = run_cases(jobs, folder, configs, workers, progress.told)
     rows = make_rows(verdicts)
@@ -215,8 +214,8 @@ def _is_file(name: str) -> bool:
     return name.endswith((".yaml", ".yml"))
 
 
-def make_folder(folder: Path) -> None:
-    """Make the folder of a campaign.
+def make_folder(out: Path, seed: int) -> Path:
+    """Make the folder of a campaign: ``seed-N``, or ``seed-N-2`` beside an earlier one.
 
     Raises
     ------
@@ -224,12 +223,14 @@ def make_folder(folder: Path) -> None:
         It cannot be made.
     """
     from rig.hal import ConfigurationError
+    from rig.run_folder import make_unique
 
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        return make_unique(out, f"seed-{seed}")
     except OSError as error:
         raise ConfigurationError(
-            f"cannot make {folder}: {error.strerror or error}; choose another place with --out"
+            f"cannot make {out / f'seed-{seed}'}: {error.strerror or error}; "
+            "choose another place with --out"
         ) from error
 
 

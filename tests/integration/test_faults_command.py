@@ -19,7 +19,13 @@ def run(*arguments):
 
 
 def campaign(out, seed):
-    return json.loads((out / f"seed-{seed}" / "campaign.json").read_text())
+    """Return what the newest campaign of a seed came to."""
+    numbered = {
+        int(found[1] or 1): path
+        for path in out.iterdir()
+        if (found := re.fullmatch(rf"seed-{seed}(?:-(\d+))?", path.name))
+    }
+    return json.loads((numbered[max(numbered)] / "campaign.json").read_text())
 
 
 def test_a_run_without_a_fault_is_no_failure(tmp_path):
@@ -28,6 +34,27 @@ def test_a_run_without_a_fault_is_no_failure(tmp_path):
     (row,) = campaign(tmp_path, 0)["rows"]
     assert (row["n"], row["hazards"], row["false trips"]) == (4, 0, 0)
     assert not [path for path in (tmp_path / "seed-0").iterdir() if path.is_dir()]
+
+
+def test_a_campaign_is_kept_beside_an_earlier_one_of_its_seed(tmp_path):
+    for fault in ("encoder_alarm", "nothing", "wire_break"):
+        result = run("run", "cylinder", "--only", fault, "--out", tmp_path)
+        assert result.return_value == 0, result.output
+    kept = {
+        path.parent.name: json.loads(path.read_text())["cases"][0]["case"]["first"]["kind"]
+        for path in tmp_path.glob("*/campaign.json")
+    }
+    assert kept == {"seed-0": "encoder_alarm", "seed-0-2": "nothing", "seed-0-3": "wire_break"}
+    assert all((tmp_path / name / "campaign.html").is_file() for name in kept)
+    assert result.stderr.rstrip().endswith(str(tmp_path / "seed-0-3" / "campaign.html"))
+
+
+@pytest.mark.parametrize("wrong", ["cylinder-nix", "case.yaml"])
+def test_what_cannot_be_run_leaves_no_folder(tmp_path, wrong, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("case.yaml").write_text("rig: cylinder\nexperiment: cylinder-sine\nfalt: leak\n")
+    assert run("run", wrong, "--out", "out").exception is not None
+    assert not Path("out").exists()
 
 
 @pytest.mark.parametrize("seed", [3, 9])
