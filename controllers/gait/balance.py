@@ -75,6 +75,11 @@ def link_centres(
     return LinkCentres(np.array(masses), waist[:, None] + positions)
 
 
+def response_samples(period: float, response_time: float) -> int:
+    """Return how many periods (s) to either side of an instant its acceleration is taken from."""
+    return max(1, round(0.5 * response_time / period))
+
+
 def zero_moment_point(
     links: LinkCentres, period: float, response_time: float, ground: Array | None = None
 ) -> Array:
@@ -103,7 +108,7 @@ def zero_moment_point(
     M. Vukobratović, B. Borovac, "Zero-moment point - thirty five years of its life",
     International Journal of Humanoid Robotics 1(1), 2004.
     """
-    wide = max(1, round(0.5 * response_time / period))
+    wide = response_samples(period, response_time)
     padded = np.pad(links.positions, ((wide, wide), (0, 0), (0, 0)), mode="edge")
     middle = padded[wide:-wide]
     acceleration = (padded[2 * wide :] - 2.0 * middle + padded[: -2 * wide]) / (wide * period) ** 2

@@ -20,7 +20,7 @@ from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
-from controllers.gait.plan import GaitPlan, PlannedPhase, Way, judge_balance
+from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance, way_of
 from controllers.gait.time_laws import TimeLaw
 from controllers.gait.types import (
     GaitModel,
@@ -31,6 +31,7 @@ from controllers.gait.types import (
 )
 from controllers.motion import InfeasibleMotion, check_length
 
+_JOINTS = len(AXIS_NAMES)
 _REST: Joints = (0.0,) * 12
 _RATE_SHARE = 1e-3
 """By which a joint may pass its greatest rate, relative: what servos do not resolve."""
@@ -189,14 +190,16 @@ class GaitLaw(
 
     def _sample(self, timed: Sequence[TimedPhase], paces: Sequence[TimeLaw]) -> GaitPlan:
         self._restart()
-        joints, numbers, path = [self._schedule[0].curve.joints], [0], [0.0]
-        while self._advance():
+        count = timed[-1].last + 1
+        q, path, way = np.empty((count, _JOINTS)), np.zeros(count), way_of(count)
+        numbers = np.zeros(count, np.int64)
+        for k in range(count):
+            if k > 0:
+                self._advance()
             curve = self._schedule[self._number].curve
-            joints.append(self._command(curve, True).positions)
-            numbers.append(self._number)
-            path.append(curve.path)
-        q = np.array(joints)
-        way = _way([(timed[number].phase, xi) for number, xi in zip(numbers, path, strict=True)])
+            q[k] = self._command(curve, k > 0).positions
+            numbers[k], path[k] = self._number, curve.path
+            way.put(k, timed[self._number].phase, curve.path)
         planned = tuple(
             PlannedPhase(
                 phase=entry.phase,
@@ -216,8 +219,8 @@ class GaitLaw(
             t=np.arange(len(q)) * np.float64(self.period),
             q=q,
             q_dot=np.diff(q, axis=0, prepend=q[:1]) / self.period,
-            path=np.array(path),
-            phase_number=np.array(numbers),
+            path=path,
+            phase_number=numbers,
             waist=way.waist,
             feet=way.feet,
             yaw=way.yaw,
@@ -288,16 +291,6 @@ def check_rates(plan: GaitPlan, speed: float) -> None:
             f"rad/s, beyond its limit of {limit:.4g} rad/s; at a speed of "
             f"{0.999 * speed * limit / worst:.4g} instead of {speed:.4g} it would fit."
         )
-
-
-def _way(places: Sequence[tuple[GaitPhase, float]]) -> Way:
-    """Return where waist and feet are at these phases and path parameters."""
-    return Way(
-        np.array([phase.waist_at(xi) for phase, xi in places]),
-        np.array([phase.yaw_at(xi) for phase, xi in places]),
-        np.array([[phase.foot_at(leg, xi) for leg in (0, 1)] for phase, xi in places]),
-        np.array([[phase.attitude_at(leg, xi) for leg in (0, 1)] for phase, xi in places]),
-    )
 
 
 def _on_grid(

@@ -7,7 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
+from controllers.gait.balance import (
+    link_centres,
+    margin,
+    response_samples,
+    support_polygon,
+    zero_moment_point,
+)
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.leg_postures import (
     leg_posture,
@@ -16,6 +22,7 @@ from controllers.gait.leg_postures import (
     waist_from_foot,
 )
 from controllers.gait.phases import GaitPhase
+from controllers.gait.pieces import in_pieces, pieces
 from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import BalanceSettings, LegsReference
 from controllers.motion import InfeasibleMotion
@@ -78,6 +85,19 @@ class Way(NamedTuple):
     yaw: Array
     feet: Array
     attitudes: Array
+
+    def put(self, k: int, phase: GaitPhase, xi: float) -> None:
+        """Note where a phase has all of them at a path parameter, as sample `k`."""
+        self.waist[k], self.yaw[k] = phase.waist_at(xi), phase.yaw_at(xi)
+        for leg in (0, 1):
+            self.feet[k, leg] = phase.foot_at(leg, xi)
+            self.attitudes[k, leg] = phase.attitude_at(leg, xi)
+
+
+def way_of(count: int) -> Way:
+    """Return room for so many samples."""
+    shapes = ((count, 3), (count,), (count, 2, 3), (count, 2, 3))
+    return Way(*(np.zeros(shape) for shape in shapes))
 
 
 class Balance(NamedTuple):
@@ -211,18 +231,26 @@ class GaitPlan:
         resolution : float
             Of the servos, rad; 0 judges the plan as it is.
         """
-        q = quantised(self.q, resolution) if resolution else self.q
-        return float(np.max(mismatch(self.geometry, q, self.feet, self.attitudes)))
+
+        def apart(q: Array, feet: Array, attitudes: Array) -> Array:
+            q = quantised(q, resolution) if resolution else q
+            return mismatch(self.geometry, q, feet, attitudes)
+
+        return float(np.max(in_pieces(apart, self.q, self.feet, self.attitudes)))
 
     def odometry(self) -> Array:
         """Return where the joints alone put the waist, shape (n, 3), m.
 
         Forward kinematics from the foot that stands, each foot standing where it landed.
         """
-        seen = [
-            waist_from_foot(leg_posture(self.geometry, leg, self.q), self.attitudes[:, leg])
-            for leg in (0, 1)
-        ]
+
+        def from_foot(leg: int) -> Array:
+            def waist(q: Array, attitudes: Array) -> Array:
+                return waist_from_foot(leg_posture(self.geometry, leg, q), attitudes)
+
+            return in_pieces(waist, self.q, self.attitudes[:, leg])
+
+        seen = [from_foot(leg) for leg in (0, 1)]
         feet = [self.feet[0, leg].copy() for leg in (0, 1)]
         waist = np.empty_like(self.waist)
         for planned in self.phases:
@@ -325,8 +353,7 @@ def judge_balance(
     Where one phase ends and the next begins the stricter support of both counts. On feet at two
     heights the zero-moment point is taken in the level midway between them.
     """
-    links = link_centres(geometry, q, way.waist, way.yaw)
-    centre = links.centre
+    centre, zero_moment = np.empty((len(q), 3)), np.empty((len(q), 2))
     ground = np.zeros(len(q))
     for planned in phases:
         bearing = [
@@ -335,7 +362,13 @@ def judge_balance(
             if on
         ]
         ground[planned.first : planned.last + 1] = sum(bearing) / len(bearing)
-    zero_moment = zero_moment_point(links, period, settings.response_time, ground)
+    wide = response_samples(period, settings.response_time)
+    for piece in pieces(len(q)):
+        seen = slice(max(piece.start - wide, 0), min(piece.stop + wide, len(q)))
+        own = slice(piece.start - seen.start, piece.stop - seen.start)
+        links = link_centres(geometry, q[seen], way.waist[seen], way.yaw[seen])
+        point = zero_moment_point(links, period, settings.response_time, ground[seen])
+        centre[piece], zero_moment[piece] = links.centre[own], point[own]
     static = np.full(len(q), math.inf)
     nearer = np.full(len(q), math.inf)
     for planned in phases:

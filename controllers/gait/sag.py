@@ -1,6 +1,7 @@
 """What position servos give way by under the robot's weight, commanded beforehand."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,9 @@ from numpy.typing import NDArray
 
 from controllers.gait.balance import GRAVITY, link_centres
 from controllers.gait.correction_settings import SagSettings
+from controllers.gait.geometry import LegGeometry
 from controllers.gait.leg_postures import LegPosture, leg_posture
+from controllers.gait.pieces import in_pieces
 from controllers.gait.plan import GaitPlan
 
 Array = NDArray[np.float64]
@@ -47,14 +50,19 @@ def standing_torques(plan: GaitPlan) -> Array:
     plan : GaitPlan
         Of the motion.
     """
-    weight = GRAVITY * plan.geometry.masses.total
     shares, pressed = _bearing(plan)
-    links = link_centres(plan.geometry, plan.q, np.zeros_like(plan.waist))
-    torques = np.zeros_like(plan.q)
+    return in_pieces(partial(_torques, plan.geometry), plan.q, shares, pressed)
+
+
+def _torques(geometry: LegGeometry, q: Array, shares: Array, pressed: Array) -> Array:
+    """Return the joints' torques with feet that bear these shares there, N m."""
+    weight = GRAVITY * geometry.masses.total
+    links = link_centres(geometry, q, np.zeros((len(q), 3)))
+    torques = np.zeros_like(q)
     for leg in (0, 1):
-        posture = leg_posture(plan.geometry, leg, plan.q)
+        posture = leg_posture(geometry, leg, q)
         first = 1 + _LINKS * leg
-        for joint, (pivot, axis) in enumerate(_joints(plan.q[:, 6 * leg : 6 * leg + 6], posture)):
+        for joint, (pivot, axis) in enumerate(_joints(q[:, 6 * leg : 6 * leg + 6], posture)):
             arm = pressed[:, leg] - pivot
             lifted = (weight * shares[:, leg])[:, None] * arm
             for link in range(first + _FIRST_BEYOND[joint], first + _LINKS):

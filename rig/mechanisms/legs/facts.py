@@ -1,17 +1,22 @@
 """What is known of a walk before it is done: the numbers of its plan."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from controllers.gait.arc_lengths import measure
 from controllers.gait.balance import standing_knee_torque
 from controllers.gait.geometry import KNEES
 from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
 from controllers.gait.leg_postures import leg_posture, rotations
+from controllers.gait.pieces import in_pieces
 from controllers.gait.plan import GaitPlan
 from controllers.gait.time_laws import LimitedNormPace
 from rig.hal.motion import Fact
+
+Array = NDArray[np.float64]
 
 _RESOLUTION = float(np.deg2rad(1.0 / 209.0))
 """Of HOAP's servos, rad: 209 pulses per degree; the legs' mismatch is given for it as well."""
@@ -112,9 +117,8 @@ def _standing_knee_torque(plan: GaitPlan) -> float:
         if right != left:
             during = slice(planned.first, planned.last + 1)
             leg = 0 if right else 1
-            torques.append(
-                standing_knee_torque(plan.geometry, leg, plan.q[during], plan.waist[during])
-            )
+            borne = partial(standing_knee_torque, plan.geometry, leg)
+            torques.append(in_pieces(borne, plan.q[during], plan.waist[during]))
     return float(np.abs(np.concatenate(torques)).mean()) if torques else 0.0
 
 
@@ -129,17 +133,21 @@ def _astray(plan: GaitPlan) -> int:
 
 def _tilt(plan: GaitPlan) -> float:
     """Return the greatest angle between a sole and how it was to lie, under an upright waist."""
-    worst = 0.0
-    heading = np.zeros((len(plan.yaw), 3))
-    heading[:, 2] = plan.yaw
-    waist = rotations(heading)
-    for leg in (0, 1):
-        wanted = np.swapaxes(waist, 1, 2) @ rotations(plan.attitudes[:, leg])
-        turned = np.swapaxes(wanted, 1, 2) @ leg_posture(plan.geometry, leg, plan.q).foot
+
+    def tilts(leg: int, q: Array, yaw: Array, attitudes: Array) -> Array:
+        heading = np.zeros((len(yaw), 3))
+        heading[:, 2] = yaw
+        wanted = np.swapaxes(rotations(heading), 1, 2) @ rotations(attitudes)
+        turned = np.swapaxes(wanted, 1, 2) @ leg_posture(plan.geometry, leg, q).foot
         # Of a rotation matrix, the part that is not symmetric is sin(angle) times the axis.
         sines = 0.5 * np.stack(
             [turned[:, 2, 1] - turned[:, 1, 2], turned[:, 0, 2] - turned[:, 2, 0],
              turned[:, 1, 0] - turned[:, 0, 1]]
         )  # fmt: skip
-        worst = max(worst, float(np.linalg.norm(sines, axis=0).max()))
+        return np.asarray(np.linalg.norm(sines, axis=0), dtype=np.float64)
+
+    worst = max(
+        float(in_pieces(partial(tilts, leg), plan.q, plan.yaw, plan.attitudes[:, leg]).max())
+        for leg in (0, 1)
+    )
     return float(np.arcsin(min(worst, 1.0)))
