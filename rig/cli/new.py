@@ -90,6 +90,9 @@ def new(
         package = cast("PackageKind", kind)
         written = Path(name)
         write_files(written, package_files(package, name))
+        if kind == "driver":
+            profile = written / "configs" / "rigs" / f"{name}-rig.yaml"
+            notes = (f"simulated, it shows a wire's tension: `measures` in {profile} chooses",)
         following = [
             f"pip install -e './{name}[test]'",
             f"cd {name} && rig run {first_experiment(package, name)} --on sim",

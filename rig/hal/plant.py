@@ -48,8 +48,9 @@ class Plant(Protocol):
         """
 
 
-class MeasuredPlant:
-    """Base of a plant that tells any sensor what there is at a channel.
+@runtime_checkable
+class MeasuredPlant(Protocol):
+    """A plant that tells any sensor what there is at a channel.
 
     A device whose driver brings no simulation of its own measures by it; on another plant such a
     device reads 0.

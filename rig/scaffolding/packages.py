@@ -52,6 +52,7 @@ devices:
     node: 0x30
     full_scale: 100         # what 32767 counts are, in ...
     unit: N                 # ... the sensor's unit, which the log says: N, degC, bar
+    measures: agonist       # simulated, it shows this channel: of a cylinder its wire's tension, N
 """,
     "mechanism": """\
 description: A mechanism of our own, on a CiA 402 drive

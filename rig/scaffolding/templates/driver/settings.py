@@ -28,7 +28,9 @@ class MySensorSettings(CanopenDeviceSettings):
     unit : str
         Of what the sensor measures, as log, figures and exported files say it.
     measures : str
-        The plant's channel that a simulated one shows.
+        The plant's channel that a simulated one shows, as its `channel_value` has it: of the
+        cylinders the tension of the wire, N; 0 of a plant that has none. For what no plant
+        knows, name a simulation of your own in parts.py (`DriverParts.simulation`).
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]
