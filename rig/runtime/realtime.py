@@ -12,8 +12,6 @@ _MCL_CURRENT = 1
 _MCL_FUTURE = 2
 _PR_SET_TIMERSLACK = 29
 _PR_GET_TIMERSLACK = 30
-_DEFAULT_TIMER_SLACK = 50_000
-"""Linux's default timer slack, ns: every sleep may end that much late."""
 _POWER_SAVING = "/dev/cpu_dma_latency"
 """While it is open, processors take no longer to wake from idle than was written to it, µs."""
 _GROWN: Final = 1.5
@@ -79,6 +77,8 @@ def real_time(priority: int, cpu: int | None = None) -> Iterator[list[str]]:
     """
     refused: list[str] = []
     with ExitStack() as undo:
+        # Undone last: a kernel that knows no slack under SCHED_FIFO would not hear of it before.
+        undo.callback(_LIBC.prctl, _PR_SET_TIMERSLACK, int(_LIBC.prctl(_PR_GET_TIMERSLACK)))
         if cpu is not None:
             _pin(cpu, undo, refused)
         if priority:
@@ -86,7 +86,6 @@ def real_time(priority: int, cpu: int | None = None) -> Iterator[list[str]]:
             _lock_memory(undo, refused)
             _stay_awake(undo, refused)
         _LIBC.prctl(_PR_SET_TIMERSLACK, 1)
-        undo.callback(_LIBC.prctl, _PR_SET_TIMERSLACK, _DEFAULT_TIMER_SLACK)
         _HEAP.freeze(look=priority > 0)  # a tenth of a second, which no simulated clock needs
         gc.disable()
         undo.callback(gc.unfreeze)
