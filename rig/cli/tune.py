@@ -42,7 +42,11 @@ if TYPE_CHECKING:
               help="Of the plants and of the search.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes; default: every core.")
 @click.option("--dry-run", is_flag=True, help="Search and judge, but put nothing in force.")
-@click.option("--replace", is_flag=True, help="Put in force what is found, though it be worse.")
+@click.option(
+    "--replace",
+    is_flag=True,
+    help="Put in force what is found, though it be worse in cost or in a bound.",
+)
 @click.option("--operator", default=None, help="Who tunes; default: the user's name.")
 @out_option
 @set_option
@@ -85,7 +89,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
         return 130
     click.echo("on every plant of the ensemble, before and now …", err=True)
     before, now = judge(bench, search.before), judge(bench, found.gains)
-    against = objections(now, before)
+    against = objections(now, before, bench.unit)
     refused = bool(against) and not options["replace"]
     is_put = not refused and not options["dry_run"]
     if not options["as_json"]:

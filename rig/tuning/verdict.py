@@ -107,8 +107,19 @@ def judge(bench: Workbench, gains: Mapping[str, float]) -> EnsembleVerdict:
     )
 
 
-def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
-    """Return why gains are not to be put in force; empty: nothing speaks against them."""
+def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence[str]:
+    """Return why gains are not to be put in force; empty: nothing speaks against them.
+
+    Less error pays for no bound: gains that miss one, and by more than those in force do, are left
+    to who asks for them. Those that lose a plant are no measure: it ended before it could swing.
+
+    Parameters
+    ----------
+    now, before : EnsembleVerdict
+        The gains that were found, and those in force.
+    unit : str
+        Of motion in a hold, SI.
+    """
     found = []
     if now.lost:
         found.append(
@@ -122,11 +133,34 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
         )
     if now.cost >= before.cost:
         found.append(f"they cost {now.cost:.3f}, those in force {before.cost:.3f}")
+    if not before.lost:
+        found += [f"worse than before, {bound}" for bound in _missed(now, before, unit, worse=True)]
+    return found
+
+
+def _missed(
+    now: EnsembleVerdict, before: EnsembleVerdict, unit: str, *, worse: bool
+) -> Sequence[str]:
+    """Return the bounds that gains miss by more than those before did, or by no more."""
+    found = []
+    if now.hunting > QUIET and (now.hunting > before.hunting) is worse:
+        hunting, most, then = (
+            format_quantity(value, unit) for value in (now.hunting, QUIET, before.hunting)
+        )
+        found.append(
+            f"bound missed: {hunting} of hunting on the worst plant, and at most "
+            f"{most} is asked for (before: {then})"
+        )
+    if now.reversals > REVERSALS and (now.reversals > before.reversals) is worse:
+        found.append(
+            f"bound missed: {now.reversals:.1f} reversals a second on the worst plant, and at most "
+            f"{REVERSALS:g} are asked for (before: {before.reversals:.1f})"
+        )
     return found
 
 
 def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence[str]:
-    """Return which bounds gains miss, and what is worse with them than with those before.
+    """Return which bounds gains miss as those before did, and what is worse with them.
 
     The cost weighs all of it; neither speaks against gains whose cost is less.
 
@@ -141,17 +175,10 @@ def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence
     def text(value: float) -> str:
         return format_quantity(value, unit)
 
-    found = []
-    if now.hunting > QUIET:
-        found.append(
-            f"bound missed: {text(now.hunting)} of hunting on the worst plant, and at most "
-            f"{text(QUIET)} is asked for (before: {text(before.hunting)})"
-        )
-    if now.reversals > REVERSALS:
-        found.append(
-            f"bound missed: {now.reversals:.1f} reversals a second on the worst plant, and at most "
-            f"{REVERSALS:g} are asked for (before: {before.reversals:.1f})"
-        )
+    found = [
+        *_missed(now, before, unit, worse=False),
+        *(_missed(now, before, unit, worse=True) if before.lost else ()),
+    ]
     worse = [
         f"{name} {text(old)} to {text(new)}"
         for name, old, new in _compared(now, before)

@@ -18,7 +18,7 @@ def verdict(*fates):
 def test_the_worst_of_the_lost_plants_are_named_with_what_became_of_them():
     now = verdict((0.1, 1.0), (1.25, 1.0), (math.inf, 0.62), (2.5, 1.0), (1.1, 1.0))
     before = verdict((0.1, 1.0))._replace(cost=2.0)
-    (said,) = objections(now, before)
+    (said,) = objections(now, before, "m")
     assert said.startswith("they lose 4 of 5 plants, or would be stopped there, the worst of them:")
     assert said.endswith(
         "plant 2 (lost after 62 % of the motion); plant 3 (2.5 times the error that stops the "
@@ -40,22 +40,45 @@ def measured(hunting, error, worst, reversals=5.0, cost=1.0):
     return EnsembleVerdict({}, members, trials, margins, cost)
 
 
-def test_a_bound_that_is_missed_and_what_is_worse_are_said_of_gains_that_cost_less():
+def test_a_bound_that_is_missed_by_more_than_before_speaks_against_gains_that_cost_less():
     before = measured(1.568e-3, 1.2e-3, 2.8e-3, cost=1.1)
     now = measured(1.825e-3, 1.0e-3, 3.0e-3, cost=-0.3)
-    assert not objections(now, before)
-    missed, traded = trades(now, before, "m")
-    assert missed == (
-        "bound missed: 1.825 mm of hunting on the worst plant, and at most 0.1 mm is asked for "
-        "(before: 1.568 mm)"
+    (said,) = objections(now, before, "m")
+    assert said == (
+        "worse than before, bound missed: 1.825 mm of hunting on the worst plant, and at most "
+        "0.1 mm is asked for (before: 1.568 mm)"
     )
+    (traded,) = trades(now, before, "m")
     assert "worst hunting 1.568 mm to 1.825 mm" in traded
     assert "worst error, sine 2.8 mm to 3 mm" in traded
     assert "as told" not in traded
 
 
+def test_a_bound_that_both_miss_is_said_and_refuses_nothing():
+    before = measured(1.825e-3, 1.2e-3, 2.8e-3, reversals=31.0, cost=1.1)
+    now = measured(1.568e-3, 1.0e-3, 3.0e-3, reversals=31.0, cost=-0.3)
+    assert not objections(now, before, "m")
+    hunting, reversals, _ = trades(now, before, "m")
+    assert hunting.startswith("bound missed: 1.568 mm") and "31.0 reversals" in reversals
+
+
+def test_more_of_what_stays_within_its_bound_refuses_nothing():
+    before = measured(0.01e-3, 1.2e-3, 2.8e-3, reversals=1.0, cost=1.1)
+    now = measured(0.09e-3, 1.0e-3, 2.8e-3, reversals=24.0, cost=-0.3)
+    assert not objections(now, before, "m")
+
+
+def test_gains_that_lost_plants_are_no_measure_of_hunting():
+    before = measured(0.01e-3, 1.2e-3, 2.8e-3, cost=1000.0)
+    lost = before.trials[1]._replace(lasted=0.1, strayed=2.0)
+    before = before._replace(trials=(before.trials[0], lost))
+    now = measured(0.3e-3, 1.0e-3, 2.8e-3, cost=-0.3)
+    assert not objections(now, before, "m")
+    assert trades(now, before, "m")[0].startswith("bound missed: 0.3 mm of hunting")
+
+
 def test_reversals_have_a_bound_too_and_gains_that_keep_it_all_are_not_talked_about():
     quiet = measured(0.05e-3, 1e-3, 2e-3)
     assert trades(quiet, quiet._replace(cost=2.0), "m") == []
-    (missed,) = trades(measured(0.05e-3, 1e-3, 2e-3, reversals=26.0), quiet, "m")
-    assert missed.startswith("bound missed: 26.0 reversals a second")
+    (missed,) = objections(measured(0.05e-3, 1e-3, 2e-3, reversals=26.0, cost=0.5), quiet, "m")
+    assert missed.startswith("worse than before, bound missed: 26.0 reversals a second")
