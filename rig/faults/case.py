@@ -174,7 +174,7 @@ class Case:
     def folder(self) -> str:
         """Name of the folder that it leaves."""
         drawn = Path(self.source).stem if self.drawn_with is None else str(self.drawn_with)
-        return f"{self.rig}-{drawn}-{'+'.join(self.kinds)}"
+        return f"{Path(self.rig).stem}-{drawn}-{'+'.join(self.kinds)}"
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data."""

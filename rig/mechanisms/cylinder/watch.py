@@ -10,6 +10,7 @@ from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 CHANNELS = ("agonist", "antagonist")
@@ -140,6 +141,8 @@ class PairWatch:
                 cause = self._explain_run() or self._pressures.suspicion() or self._explain_push(k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
+            if cause is None and isinstance(error, Strayed):
+                cause = self._balance.explain_off(error.value)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:

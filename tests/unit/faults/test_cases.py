@@ -371,3 +371,10 @@ def test_a_wrong_setpoint_must_be_seen_where_each_is_echoed(seed):
         sizes = Sizes(chance.uniform(1.0, 7.0), lasts)
         assert row.must(sizes, confirming) is must
         assert row.must(sizes, SUBJECT) is Must.EITHER
+
+
+def test_what_goes_wrong_is_kept_under_the_rigs_name_wherever_its_profile_is():
+    """A path of it would lead out of the campaign's folder."""
+    (case,) = draw_once(replace(SUBJECT, rig="/lab/rigs/mine.yaml"), ("silent",), 3, 1)
+    assert case.folder == "mine-3-silent"
+    assert draw_once(SUBJECT, ("silent",), 3, 1)[0].folder == "cylinder-3-silent"

@@ -22,6 +22,7 @@ from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder.settings import PairAlarmSettings, RodsAlarm
 from rig.mechanisms.cylinder.watch import PairWatch
 from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, SwappedAlarm
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed
 from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
 NAMES = "encoder-agonist", "encoder-antagonist"
@@ -460,6 +461,19 @@ def test_a_pair_that_should_move_and_sticks_is_told_with_its_chamber():
     assert "the chamber of agonist leaks behind its tube" in told
     assert "the carriage is pushed or held" in told
     assert pulled(32, 0.0).watch.explain_held() is None
+
+
+@pytest.mark.parametrize("off", [5e-3, -5e-3])
+def test_a_pair_that_strays_from_its_reference_is_told_with_the_chamber_that_should_pull_it(off):
+    error = Strayed("following error of the pair for 0.3 s", off, -3e-3, 3e-3, "m")
+    apart = math.copysign(150e3, -off)  # 27 N: less than seals may hold, more than they take
+    said = str(pulled(32, apart).watch.explain(error))
+    weak = "antagonist" if off > 0.0 else "agonist"
+    assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube")
+    assert said.endswith(f"N pull it back ({error})")
+    assert pulled(32, -apart).watch.explain(error) is error
+    other = LimitExceeded("position of the pair", off, -3e-3, 3e-3, "m")
+    assert pulled(32, apart).watch.explain(other) is other
 
 
 def test_a_pair_that_slides_is_not_held_whatever_its_monitors_say():

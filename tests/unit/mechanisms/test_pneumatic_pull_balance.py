@@ -236,3 +236,32 @@ def test_only_what_sticks_is_asked_after_if_so_wanted():
         watch.note(k * 1e-3, (place, 0.0, -place, 0.0), (0.0,) * 4)
     assert "the chamber of ch3 leaks" in watch.explain()
     assert watch.explain(sticks=True) is None
+
+
+# Off its reference, and pulled back --------------------------------------------------------------
+
+
+def stays(pull, off):
+    """Return what is said of a pair that stays off though its monitors show a pull, N."""
+    balance = PullBalance(
+        1.0, MASS, PLAIN, ((0, 1),), ("agonist", "antagonist"), "regulators", "the carriage"
+    )
+    for k in range(30):
+        balance.note(1e-3 * k, (off, -off), (100.0 + pull, 100.0))
+    return balance.explain_off(off)
+
+
+@pytest.mark.parametrize(("off", "back"), [(6e-3, "antagonist"), (-6e-3, "agonist")])
+def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monitor_says(off, back):
+    against = math.copysign(10.0 + 1e-9, -off)
+    assert stays(against, off) == (
+        f"regulators: the chamber of {back} leaks behind its tube, or its monitor is off, or the "
+        "carriage is pushed or held: it stays off though 10 N pull it back"
+    )
+    assert stays(math.copysign(10.0 - 1e-9, -off), off) is None  # its seals may hold that
+    assert stays(-against, off) is None  # nothing pulls it back
+
+
+def test_before_anything_was_seen_nothing_is_said_of_what_is_off():
+    balance = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
+    assert balance.explain_off(1e-3) is None

@@ -148,6 +148,30 @@ class PullBalance:
             "pressures"
         )
 
+    def explain_off(self, off: float) -> str | None:
+        """Return why the first pair stays off its reference though its pressures pull it back.
+
+        None: they do not, or by less than its seals take.
+
+        Parameters
+        ----------
+        off : float
+            How far, m; positive where its agonist pulls to.
+        """
+        one, other = self._pairs[0]
+        if not self._history:
+            return None
+        late = [p for t, _, p in self._history if t >= self._history[-1][0] - _LOOK]
+        pull = self._area * sum(p[one] - p[other] for p in late) / len(late)
+        against = -pull if off > 0.0 else pull
+        if not against > self._friction.coulomb:
+            return None
+        back = self._channels[other if off > 0.0 else one]
+        return (
+            f"{self._device}: the chamber of {back} leaks behind its tube, or its monitor is off, "
+            f"or {self._moved} is pushed or held: it stays off though {against:.0f} N pull it back"
+        )
+
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
         one, other = pair
         instants = []

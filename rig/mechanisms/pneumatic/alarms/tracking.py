@@ -18,6 +18,10 @@ _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
 
 
+class Strayed(LimitExceeded):
+    """A distance from the reference that has lasted for too long; positive beyond it."""
+
+
 class _Turns:
     """Finds where a signal turns round, beyond a distance that it has to come back."""
 
@@ -137,7 +141,7 @@ class TrackingWatch:
         ------
         SafetyError
             It oscillates, or is held.
-        LimitExceeded
+        Strayed
             It has been too far off for too long.
         """
         following = self._following
@@ -149,7 +153,7 @@ class TrackingWatch:
                 self._followed_at[k] = now
             elif now - since > self._alarm.lost:
                 what = f"following error of {self._names[k]} for {now - since:.3g} s"
-                raise LimitExceeded(what, error, -following, following, "m")
+                raise Strayed(what, error, -following, following, "m")
             elif now - since > _HELD and (cause := held()) is not None:
                 raise SafetyError(
                     f"{cause} [{self._names[k]} stays {error * 1e3:.2g} mm off its reference]"
