@@ -1,11 +1,14 @@
 """What is written for people: links lead somewhere, and what is made from code is what it says."""
 
+import contextlib
 import doctest
 import os
+import pty
 import re
 import shlex
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -104,6 +107,57 @@ def run_session(page, folder):
 def test_commands_print_what_the_page_shows(page, tmp_path):
     wrong = run_session(page, tmp_path)
     assert not wrong, "\n\n".join(wrong)
+
+
+ASKED = re.compile(r"```terminal\n(.*?)```", re.S)
+
+
+def at_a_terminal(command, folder, typed):
+    """Return what a command prints to a person who answers its question."""
+    terminal, theirs = pty.openpty()
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    own = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command, cwd=folder, env=own, stdin=theirs, stdout=theirs, stderr=theirs
+    ) as process:
+        os.close(theirs)
+        said, is_asked = b"", False
+        with contextlib.suppress(OSError):  # a terminal ends so
+            while piece := os.read(terminal, 65536):
+                said += piece
+                if not is_asked and b"to go on: " in said:
+                    is_asked = True
+                    os.write(terminal, f"{typed}\n".encode())
+    os.close(terminal)
+    return process.returncode, said.decode().replace("\r\n", "\n")
+
+
+def test_the_page_shows_the_question_and_the_program_asks_it(tmp_path):
+    """What it asks of whoever moves a rig is answered wrongly here: there may be a rig."""
+    page = (ROOT / ".readme" / "your-own-rig.md").read_text()
+    for name, kind, content in BLOCK.findall(page):
+        if kind == "yaml" and name:
+            (tmp_path / name).write_text(content)
+    (shown,) = ASKED.findall(page)
+    command, _, expected = textwrap.dedent(shown).removeprefix("$ ").partition("\n")
+    question = expected.rpartition("my-rig")[0]
+    code, said = at_a_terminal(shlex.split(command), tmp_path, "nobody")
+    assert code == 2 and said.endswith("that is not its name: nothing was done\n"), said
+    assert doctest.OutputChecker().check_output(
+        shape(question), shape(said.partition("nobody")[0]), doctest.ELLIPSIS
+    ), said
+    assert not (tmp_path / "runs").exists()
+
+
+def test_no_page_for_people_at_a_rig_answers_the_question_beforehand():
+    pages = [path for path in PAGES if path.name not in ("safety.md", "reference.md")]
+    told = [
+        f"{path.name}: {line}"
+        for path in pages
+        for line in path.read_text().splitlines()
+        if "--yes" in line and ("rig run" in line or "rig calibrate" in line)
+    ]
+    assert told == []
 
 
 @pytest.mark.slow
