@@ -149,7 +149,10 @@ class ArmLaw(
             end.outcome,
             end.marks,
         )
-        check_promises(self.geometry, plan, self.promised(trajectory))
+        promises = self.promised(trajectory)
+        if isinstance(path, PosePath) and path.torques:
+            promises = promises._replace(carried=path.payload)
+        check_promises(self.geometry, plan, promises)
         return plan
 
     def _fitting(self, path: ArmPathSettings, refused: TooFast) -> str:

@@ -101,11 +101,6 @@ class LookAhead(ArmLaw[LookAheadSettings]):
             check_held(torques, light, path, grid_of(path), trajectory.speed)
         return retime_within(path, rates, allowed, self.period, torques, self.longest)
 
-    def promised(self, trajectory: Trajectory) -> Promises:
-        """Return what is promised, torques if the path asks for them."""
-        carried = carried_along(trajectory)
-        return self.promises if carried is None else self.promises._replace(carried=carried)
-
     def axis_path(self, trajectory: Trajectory) -> AxisPath:
         """Return the joints along the path, whatever the time."""
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:

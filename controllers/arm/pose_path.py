@@ -53,8 +53,9 @@ class PosePath(ArmPath):
     payload : Payload
         What the hand carries: weight and inertia for the drives.
     torques : bool
-        Whether the path is timed under the drives' torques as well, as the arm's `dynamics` say
-        them; `look-ahead` alone does.
+        Whether the drives' torques are kept as well, as the arm's `dynamics` say them:
+        `look-ahead` times the path under them, and under another law it is refused, with a speed
+        that fits, if one needs more.
     """
 
     file: Path | None = None

@@ -1,11 +1,14 @@
 """A plan held against what its law promises, before anything moves."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arm.dynamics.carried import torques_for, torques_of_plan
+from controllers.arm.dynamics.chain import ArmTorques
+from controllers.arm.dynamics.limits import shares_between
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
@@ -21,6 +24,8 @@ _OFF_PATH = 1e-6
 """How far the hand may be off its path, m."""
 _ORDER = 4
 """Of the integration: with it the hand gets nearer to its path as the period covers less of it."""
+_NEVER = 1e12
+"""How much more slowly an arm has to move that its drives cannot hold."""
 _ROOM = 1.1
 """So much more slowly than that order says a motion is tried."""
 
@@ -75,8 +80,7 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
     _check(plan.t, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
     if promises.carried is not None:
         torques = torques_for(geometry, promises.carried)
-        needed = torques_of_plan(torques, plan)
-        _check(plan.t, ALL_JOINTS, needed, tuple(torques.limits.tolist()), "N m", 0.5)
+        _check_torques(torques, plan)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise TooFast(
@@ -85,6 +89,20 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
             _ROOM * (plan.path_deviation / _OFF_PATH) ** (1.0 / _ORDER),
             is_guess=True,
         )
+
+
+def _check_torques(torques: ArmTorques, plan: ArmPlan) -> None:
+    """Raise if a drive needs more than its torque.
+
+    What holds the arm does not become less by time: the rest has to fit into what is left.
+    """
+    limits = tuple(torques.limits.tolist())
+    try:
+        _check(plan.t, ALL_JOINTS, torques_of_plan(torques, plan), limits, "N m", 0.5)
+    except TooFast as error:
+        used = shares_between(torques, plan.positions[:-1], plan.velocities[:-1], plan.period)
+        factor = math.sqrt(float(used.max())) if used.min() >= 0.0 else _NEVER
+        raise TooFast(str(error), factor) from error
 
 
 def check_rates(geometry: ArmGeometry, t: Array, rates: Array, promises: Promises) -> None:

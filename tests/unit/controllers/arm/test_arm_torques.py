@@ -14,6 +14,7 @@ from controllers.arm.dynamics.chain import ArmTorques
 from controllers.arm.dynamics.settings import ArmDynamics, Payload
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.arm.plain import DampedLeastSquares, Inverse
 from controllers.motion import InfeasibleMotion
 from drivers.sim.plants.arm_model import ArmDeviations, build_model
 from drivers.sim.plants.arm_settings import ArmLinkSettings, ArmPlantSettings
@@ -182,6 +183,23 @@ def test_a_share_of_the_torques_is_kept():
     assert made.duration == pytest.approx(plan(geometry, path).duration, rel=1e-6)
     with pytest.raises(InfeasibleMotion, match=r"beyond 98 % of the \S+ N m that it may have"):
         plan(geometry, path, torque_share=0.3)
+
+
+@pytest.mark.parametrize(("law", "seed"), [(Inverse, 2), (DampedLeastSquares, 0)])
+def test_another_law_is_refused_where_a_drive_needs_more_than_it_has(law, seed):
+    """Its time is the path's own: it is told a speed at which that suffices."""
+    geometry, path = case(seed)
+    follower = law(law.Settings(), geometry, PERIOD)
+    slow = dataclasses.replace(path, speed=0.02)
+    assert shares_of(geometry, slow, follower.prepare(slow))[1:].max() <= 1.001
+    fast = dataclasses.replace(path, speed=1.0)
+    needed = shares_of(geometry, fast, follower.prepare(dataclasses.replace(fast, torques=False)))
+    assert needed.max() > 1.1
+    with pytest.raises(InfeasibleMotion) as refused:
+        follower.prepare(fast)
+    speed = re.search(r"q\d would need \S+ N m, beyond its.*; at (\S+) m/s it", str(refused.value))
+    fits = dataclasses.replace(path, speed=float(speed[1]))
+    assert shares_of(geometry, fits, follower.prepare(fits)).max() <= 1.0015
 
 
 def test_who_says_no_masses_is_timed_under_no_torques():
