@@ -25,6 +25,7 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     from rig.config.diagnostics import nearest
     from rig.config.names import is_path, list_files
     from rig.hal import ConfigurationError
+    from rig.hal.files import is_file
 
     if is_path(source):
         text = _text_of(source)
@@ -40,6 +41,9 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
         return False
     if source in experiments:
         return True
+    if is_file(Path(f"{source}.yaml")):
+        message = f"no rig or experiment is called {source!r}; did you mean the file {source}.yaml?"
+        raise ConfigurationError(message)
     hint = nearest(source, {**rigs, **experiments}) or "there are none"
     raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")
 

@@ -217,6 +217,15 @@ def _unitless(node: Node | None, settings: object) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _file_of(rig: str, place: Node) -> str | None:
+    """Return how the file of a rig is named that lies beside the file that says its name, if so."""
+    file = beside(place) / f"{rig}.yaml"
+    if not is_file(file):
+        return None
+    option = place.mark.source.option
+    return f"did you mean the file {file}?" if option else f"for {file} write rig: {file.name}"
+
+
 def _check_names(
     head: ExperimentHead,
     root: Node,
@@ -227,8 +236,7 @@ def _check_names(
     rigs = list_files("rigs", search) if search and not is_path(head.rig) else {head.rig: None}
     if head.rig not in rigs:
         place, _ = root.descend(("rig",))
-        file = beside(place) / f"{head.rig}.yaml"
-        hint = f"for {file} write rig: {file.name}" if is_file(file) else nearest(head.rig, rigs)
+        hint = _file_of(head.rig, place) or nearest(head.rig, rigs)
         problems.add(place.mark, f"no rig is called {shown(head.rig)}", hint)
     if head.controller not in controller_names(registry):
         place, _ = root.descend(("controller",))

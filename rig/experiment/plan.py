@@ -25,7 +25,7 @@ from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
 from rig.config.located import places_named
 from rig.config.models import MetricSpec
-from rig.config.setting import written
+from rig.config.setting import Setting, written
 from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
 from rig.experiment.metrics import known_measures
@@ -86,7 +86,7 @@ def load_plan(
     search = find_configs(configs)
     for_experiment, for_profile = split_overrides(overrides)
     if rig is not None:
-        for_experiment = [*for_experiment, f"rig={rig}"]
+        for_experiment = [*for_experiment, Setting(f"rig={rig}", f"--rig {rig}")]
     admit_options(for_profile, rig or rig_of(experiment, search), search)
     try:
         loaded = load_experiment(experiment, REGISTRY, for_experiment, search)

@@ -16,6 +16,7 @@ from rig.config.experiment import rig_of
 from rig.config.located import Plain
 from rig.config.named_files import files_in
 from rig.config.names import find_file, is_path
+from rig.config.setting import Setting
 from rig.experiment.plan import admit_options, split_overrides
 from rig.hal import ConfigurationError
 from rig.hal.files import is_file
@@ -75,7 +76,7 @@ def resolve(source: PointSource, options: Sequence[str], configs: Path) -> Resol
     search = find_configs(configs)
     for_experiment, for_profile = split_overrides((*source.options, *options))
     if source.rig is not None:
-        for_experiment = [*for_experiment, f"rig={source.rig}"]
+        for_experiment = [*for_experiment, Setting(f"rig={source.rig}", f"--rig {source.rig}")]
     admit_options(for_profile, source.rig or rig_of(source.experiment, search), search)
     experiment = load_experiment(source.experiment, REGISTRY, for_experiment, search)
     profile = load_profile(experiment.rig, REGISTRY, for_profile, search)

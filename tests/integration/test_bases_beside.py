@@ -68,3 +68,23 @@ def test_an_experiment_is_told_how_to_name_a_rig_beside_it(tmp_path, monkeypatch
     assert f"for {lab / 'bench.yaml'} write rig: bench.yaml" in err
     (lab / "mine.yaml").write_text("extends: cylinder-step\nrig: bench.yaml\n")
     assert invoke(["check", str(lab / "mine.yaml")]) == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "cylinder-step", "--on", "sim", "--rig", "bench"],
+        ["compare", "cylinder-step", "--on", "sim", "--rig", "bench"],
+        ["sweep", "cylinder-step", "--on", "sim", "--rig", "bench", "--seeds", "0:2"],
+        ["check", "bench"],
+        ["run", "cylinder-step", "--on", "sim", "--set", "rig=bench"],
+    ],
+)
+def test_a_file_here_is_offered_for_the_name_of_a_rig(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench.yaml").write_text("extends: cylinder\n")
+    assert invoke(words) == 2
+    err = capsys.readouterr().err
+    assert "did you mean the file bench.yaml?" in err and "there are" not in err
+    if "--rig" in words:
+        assert "--rig bench: no rig is called 'bench'" in err and "--set" not in err
