@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import math
+import shutil
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
@@ -152,7 +155,7 @@ def _ended_as_interrupted() -> Iterator[None]:
 
 def show(found: Sweep, metric: str | None) -> None:
     """Print the best points or the table of variations, and where all of them are on stderr."""
-    from rig.sweeping.best_points import best_points
+    from rig.sweeping.best_points import best_points, fitting
     from rig.sweeping.variations import VARIATION
 
     data = found.data
@@ -163,10 +166,18 @@ def show(found: Sweep, metric: str | None) -> None:
             print_tables(_of_variations(data, name))
         else:
             header, rows = best_points(data, metric)
-            print_tables([Table(f"best in {name}", header, rows)])
+            shown, rows = fitting(header, rows, name, _room())
+            print_tables([Table(f"best in {name}", shown, rows)])
+            if len(shown) < len(header):
+                click.echo(f"{len(header) - len(shown)} more metrics: {found.folder}", err=True)
     told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
     click.echo(f"{found.end}: {found.folder / 'sweep.csv'}, sweep.html", err=True)
+
+
+def _room() -> float:
+    """Return how many characters a line on stdout may have: any number in a file or pipe."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else math.inf
 
 
 def _of_variations(data: SweepData, metric: str) -> list[Table]:

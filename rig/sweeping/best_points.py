@@ -7,6 +7,8 @@ from rig.sweeping.data import SweepData
 
 SHOWN = 12
 """So many rows are shown."""
+_BETWEEN = 3
+"""Characters that a drawn table has beside each column."""
 
 
 def best_points(
@@ -34,6 +36,34 @@ def best_points(
         for number in data.order(metric)[:SHOWN]
     ]
     return header, rows
+
+
+def fitting(
+    header: tuple[str, ...], rows: list[tuple[str, ...]], wanted: str, room: float
+) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return the columns that fit beside each other; a number that is folded cannot be read.
+
+    Parameters
+    ----------
+    header, rows
+        As of `best_points`.
+    wanted : str
+        The metric that stays whatever room there is, as settings and status do.
+    room : float
+        Characters of a line.
+    """
+    widths = [max(map(len, column)) + _BETWEEN for column in zip(header, *rows, strict=True)]
+    first = header.index("status") + 1
+    kept = {*range(first), header.index(wanted)}
+    left = room - sum(widths[number] for number in kept)
+    for number in range(first, len(header)):
+        if number not in kept:
+            left -= widths[number]
+            if left < 0:
+                break
+            kept.add(number)
+    order = sorted(kept)
+    return tuple(header[k] for k in order), [tuple(row[k] for k in order) for row in rows]
 
 
 def _told(value: float, unit: str) -> str:
