@@ -15,7 +15,7 @@ class AskedObjects:
     """The objects of one node that are asked for in passing.
 
     Not while the node is read or written: it has one conversation at a time. None of these may
-    be read in any other way, or its answer would be taken for one of theirs.
+    be read in any other way until it is forgotten, or its answer would be taken for one of theirs.
 
     Parameters
     ----------
@@ -35,6 +35,10 @@ class AskedObjects:
         request = struct.pack("<BHB4x", _UPLOAD, index, sub)
         self._answered[request[1:4]] = answered
         self._send(self._request_id, request)
+
+    def forget(self, index: int, sub: int) -> None:
+        """Leave the answers of an object to whoever reads it, be it asked for or not."""
+        self._answered.pop(struct.pack("<HB", index, sub), None)
 
     def take(self, data: bytes, now: float) -> bool:
         """Take an SDO answer; return whether it is one of these."""

@@ -94,6 +94,11 @@ class Cia401Regulators(AnalogueModule, PressureRegulator):
             for k, watch in enumerate(self._following):
                 watch.check(setpoint[k], pressure[k], now)
 
+    def unsafe(self, now: float) -> str:
+        """Return which chambers are not known to be vented; see `Device.unsafe`."""
+        self._ask_monitors()
+        return super().unsafe(now)
+
     def safe_pressure(self) -> Vector:
         """Return the setpoints of the safe state, Pa gauge, shape (n,); see `PressureRegulator`."""
         return self._safe_setpoint()

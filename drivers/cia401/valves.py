@@ -55,3 +55,8 @@ class Cia401Valves(AnalogueModule, ProportionalValves):
             There is not one opening per channel.
         """
         self._give(opening)
+
+    def unsafe(self, now: float) -> str:
+        """Return which chambers are not known to be vented; see `Device.unsafe`."""
+        self._ask_monitors()
+        return super().unsafe(now)

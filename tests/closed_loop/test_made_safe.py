@@ -38,13 +38,21 @@ def release_of(name, backend):
     return moved + timings.brake + timings.settle
 
 
-def run(folder, monkeypatch, name, backend, *faults):
-    """Return the result, its events, and the true pressures when the program had ended."""
+def run(folder, monkeypatch, name, backend, *faults, pause=None):
+    """Return the result, its events, and the true pressures when the program had ended.
+
+    `pause`: when the host does nothing for a while, and for how long, s.
+    """
     built = []
-    monkeypatch.setattr(
-        running, "build_rig", lambda *args: built.append(build_rig(*args)) or built[-1]
-    )
     start = release_of(name, backend)
+
+    def build(*arguments):
+        built.append(build_rig(*arguments))
+        if pause is not None:
+            be_late(built[-1].clock, start + pause[0], pause[1])
+        return built[-1]
+
+    monkeypatch.setattr(running, "build_rig", build)
     listed = ", ".join(
         f"{{at: {start + at}, device: {device}, fault: {fault}, value: {value}}}"
         for at, device, fault, value in faults
@@ -56,6 +64,16 @@ def run(folder, monkeypatch, name, backend, *faults):
     pressures = {channel: truth[f"truth.pressure_{channel}"] for channel in CHANNELS[name]}
     unsafe = [e for e in RunFolder.open(result.path).events() if e["kind"] == "unsafe"]
     return result, unsafe, pressures
+
+
+def be_late(clock, at, duration):
+    """Have one sleep of a clock, the first after some time, take longer; all in s."""
+    sleep, left = clock.sleep_until, [duration]
+
+    def sleep_until(t):
+        sleep(t + (left.pop() if left and t > at else 0.0))
+
+    clock.sleep_until = sleep_until
 
 
 def draw(count):
@@ -104,3 +122,22 @@ def test_what_does_not_answer_is_not_known_to_be_safe(tmp_path, monkeypatch, bac
     assert result.exit_code == 4
     (event,) = unsafe
     assert "regulators: not known to be safe, its last reading is 1.0" in event["message"]
+
+
+@pytest.mark.parametrize("name", ["cylinder", "joint"])
+def test_a_module_that_stopped_itself_is_asked_for_what_its_chambers_hold(
+    tmp_path, monkeypatch, name
+):
+    """It missed the heartbeat of a host that paused, and samples nothing any more."""
+    channel = DRAWN.randrange(len(CHANNELS[name]))
+    closed = (-0.52, "plant", "regulator_closed", channel)
+    result, unsafe, pressures = run(
+        tmp_path, monkeypatch, name, Backend.VIRTUAL, closed, pause=(-0.5, 0.3)
+    )
+    where = CHANNELS[name][channel]
+    assert pressures.pop(where) > 20e3
+    assert result.exit_code == 4
+    assert "the program was paused" in result.message
+    (event,) = unsafe
+    assert f"regulators: {where} still holds" in event["message"]
+    assert max(pressures.values()) < 20e3
