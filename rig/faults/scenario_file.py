@@ -7,16 +7,20 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt, Unit
+from pydantic import Field
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import load_document
 from rig.config.located import Node
 from rig.config.named_files import with_path_beside
+from rig.config.quantities import UnitError, parse_quantity
 from rig.config.schema import DIALECT, Schema
-from rig.config.settings import adapter, build
+from rig.config.settings import NUMBER_AND_UNIT, adapter, build
 from rig.faults.case import Break, Case, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for
 from rig.faults.subject import Subject
+
+_Magnitude = float | Annotated[str, Field(pattern=NUMBER_AND_UNIT)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +50,8 @@ class Next:
         What breaks, as `rig faults list RIG` calls it.
     where : str
         One of its places; may be left out if there is one only.
-    magnitude : float, optional
-        How much, in the unit that `rig faults list RIG` says.
+    magnitude : float or str, optional
+        How much: with its unit (`20 kPa`), or a number in that which `rig faults list RIG` says.
     lasts : float, optional
         For how long, s; for good without.
     after : float
@@ -56,7 +60,7 @@ class Next:
 
     fault: str
     where: str = ""
-    magnitude: float | None = None
+    magnitude: _Magnitude | None = None
     lasts: Annotated[float, Unit("s"), Gt(0)] | None = None
     after: Annotated[float, Unit("s"), Ge(0)] = 0.0
 
@@ -76,8 +80,8 @@ class Scenario:
         What breaks, as `rig faults list RIG` calls it.
     where : str
         One of its places; may be left out if there is one only.
-    magnitude : float, optional
-        How much, in the unit that `rig faults list RIG` says.
+    magnitude : float or str, optional
+        How much: with its unit (`20 kPa`), or a number in that which `rig faults list RIG` says.
     lasts : float, optional
         For how long, s; for good without.
     when : When
@@ -92,7 +96,7 @@ class Scenario:
     experiment: str
     fault: str
     where: str = ""
-    magnitude: float | None = None
+    magnitude: _Magnitude | None = None
     lasts: Annotated[float, Unit("s"), Gt(0)] | None = None
     when: When = field(default_factory=When)
     then: Next | None = None
@@ -218,14 +222,25 @@ def _check_stretch(scenario: Scenario, subject: Subject) -> None:
             )
 
 
+def _in_unit(asked: Scenario | Next, unit: str, at: tuple[str, ...]) -> float | None:
+    """Return the magnitude in SI: which unit is meant, only the fault says."""
+    if not isinstance(asked.magnitude, str):
+        return asked.magnitude
+    try:
+        return parse_quantity(asked.magnitude, unit)
+    except UnitError as error:
+        raise _Unfit((*at, "magnitude"), f"{asked.fault}: magnitude: {error}") from error
+
+
 def _break(asked: Scenario | Next, subject: Subject, at: tuple[str, ...]) -> Break:
     """Return what breaks; `at`: the keys that lead to it."""
-    kind, where, magnitude, lasts = asked.fault, asked.where, asked.magnitude, asked.lasts
+    kind, where, lasts = asked.fault, asked.where, asked.lasts
     if kind not in kinds_for(subject):
         raise _Unfit((*at, "fault"), f"{subject.rig} has nothing that could suffer {kind}")
     row = kind_named(kind)
-    if magnitude is not None and row.magnitude is None:
+    if asked.magnitude is not None and row.magnitude is None:
         raise _Unfit((*at, "magnitude"), f"{kind} has no magnitude")
+    magnitude = None if row.magnitude is None else _in_unit(asked, row.magnitude.unit, at)
     if lasts is not None and row.lasts is None:
         raise _Unfit((*at, "lasts"), f"{kind} is for good: it cannot last {lasts:g} s")
     places = [place.where for place in row.places(subject)]

@@ -7,10 +7,21 @@ from pathlib import Path
 
 import pytest
 import yaml
+from click.testing import CliRunner
 
 import rig
 from rig.cli import invoke
-from rig.faults.scenario_file import Next, Scenario, When, load_scenario, scenario_schema
+from rig.cli.faults import faults
+from rig.config.yaml_loader import read_plain
+from rig.faults.scenario_file import (
+    Next,
+    Scenario,
+    When,
+    case_of,
+    load_scenario,
+    scenario_schema,
+)
+from rig.faults.survey import survey
 from rig.hal import ConfigurationError
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -38,9 +49,10 @@ def test_the_command_prints_the_schema(capsys):
 
 def test_the_page_has_a_scenario_with_every_key(tmp_path):
     content = yaml.safe_load(EXAMPLE)
-    assert content.keys() == {field.name for field in fields(Scenario)}
+    assert {*content, *content["then"]} == {field.name for field in fields(Scenario)} | {"after"}
     (tmp_path / "case.yaml").write_text(EXAMPLE)
-    assert load_scenario(tmp_path / "case.yaml").scenario.then.after == 0.05
+    words = ["faults", "run", str(tmp_path / "case.yaml"), "--out", str(tmp_path / "out")]
+    assert CliRunner().invoke(faults, words[1:], standalone_mode=False).return_value == 0
 
 
 CHANGES = [
@@ -49,8 +61,9 @@ CHANGES = [
     ("phase: run", ["phase: stop", "phase: running", "phase: 3", "fase: run"]),
     ("after: 50 ms", ["after: 0.05", "after: -1", "after: soon", "afer: 50 ms"]),
     ("lasts: 0.2 s", ["lasts: 0", "lasts: 2", "lasts: -1 s", "last: 0.2 s"]),
+    ("seed: 3", ["seed: 4\nlasts: 1 s", "seed: 4\nlast: 1 s"]),
     ("rig: cylinder", ["rig: ./mine.yaml", "rigs: cylinder", "rig: [cylinder]", ""]),
-    ("magnitude: 20e3", ["magnitude: 1", "magnitude: much", "size: 20e3"]),
+    ("magnitude: 20 kPa", ["magnitude: 1", "magnitude: much", "magnitude: -3e4", "size: 20 kPa"]),
 ]  # fmt: skip
 
 
@@ -65,8 +78,6 @@ def test_the_schema_says_what_the_loader_says(before, after, tmp_path):
     else:
         loads = False
     jsonschema.Draft202012Validator.check_schema(scenario_schema())
-    from rig.config.yaml_loader import read_plain
-
     errors = list(jsonschema.Draft202012Validator(scenario_schema()).iter_errors(read_plain(path)))
     assert bool(errors) == loads, errors
 
@@ -74,7 +85,7 @@ def test_the_schema_says_what_the_loader_says(before, after, tmp_path):
 @pytest.mark.parametrize(
     ("before", "wrong", "near"),
     [
-        ("magnitude: 20e3", "magnitud: 20e3", "magnitude"),
+        ("magnitude: 20 kPa", "magnitud: 20 kPa", "magnitude"),
         ("phase: run", "fase: run", "phase"),
         ("fault: silent", "falt: silent", "fault"),
         ("fault: monitor_offset", "fault: monitor_ofset", "monitor_offset"),
@@ -89,3 +100,28 @@ def test_a_wrong_key_gets_the_nearest_and_its_place(before, wrong, near, tmp_pat
     assert f"did you mean {near}?" in err
     line = 1 + path.read_text().partition(wrong)[0].count("\n")
     assert f"{path}:{line}:" in err
+
+
+MAGNITUDES = [("20 kPa", 2e4), ("0.2 bar", 2e4), ("-30 kPa", -3e4), ("4e4", 4e4)]
+
+
+@pytest.mark.parametrize(("written", "meant"), MAGNITUDES)
+def test_a_magnitude_has_the_unit_that_it_is_written_with(written, meant, tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(EXAMPLE.replace("20 kPa", written))
+    subject = survey("cylinder", ("cylinder-sine",), None)
+    case = case_of(load_scenario(path), subject, str(path))
+    assert case.first.magnitude == pytest.approx(meant)
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [("20 mm", "kPa"), ("20 kilopascal", "kPa"), ("900 kPa", "is outside ±2000 … 120000 Pa")],
+)
+def test_a_magnitude_of_another_kind_or_size_is_told_with_its_place(written, said, tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(EXAMPLE.replace("20 kPa", written))
+    subject = survey("cylinder", ("cylinder-sine",), None)
+    with pytest.raises(ConfigurationError) as refused:
+        case_of(load_scenario(path), subject, str(path))
+    assert f"{path}:5:12: monitor_offset" in str(refused.value) and said in str(refused.value)
