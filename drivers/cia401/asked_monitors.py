@@ -2,12 +2,13 @@
 
 import struct
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from math import inf
 
 from drivers.canopen.asked import AskedObjects
 from drivers.canopen.mapping import SIZES, STRUCT_CODES, Entry
-from rig.hal import Reading, Vector
+from rig.hal import ConnectionFailed, Reading, Vector
 
 MonitorLine = tuple[int, Callable[[float], float], float, float]
 """Which channel, what makes a pressure of its counts, and between which its wire is whole."""
@@ -24,11 +25,24 @@ class AskedMonitors:
         Each monitor's object.
     lines : sequence of MonitorLine
         Of the same channels.
+    wake : callable
+        Has the node answer, which a stopped one does not; it follows no setpoint even so.
+
+    Attributes
+    ----------
+    asking : bool
+        Whether it was woken: to stop it again would have it answer nothing.
     """
 
     def __init__(
-        self, asked: AskedObjects, entries: Sequence[Entry], lines: Sequence[MonitorLine]
+        self,
+        asked: AskedObjects,
+        entries: Sequence[Entry],
+        lines: Sequence[MonitorLine],
+        wake: Callable[[], None],
     ) -> None:
+        self.asking = False
+        self._wake = wake
         self._asked = asked
         self._entries = tuple(entries)
         self._lines = tuple(lines)
@@ -37,14 +51,19 @@ class AskedMonitors:
         self._next = 0
 
     def ask(self) -> None:
-        """Ask for the next monitor; raises ConnectionFailed if nothing can be sent."""
+        """Ask for the next monitor. Never raises: a bus that is gone tells nothing."""
         k = self._next
         self._next = (k + 1) % len(self._entries)
         entry = self._entries[k]
-        self._asked.ask(entry.object, entry.sub, partial(self._take, k))
+        with suppress(ConnectionFailed, OSError):
+            if not self.asking:
+                self._wake()
+            self.asking = True
+            self._asked.ask(entry.object, entry.sub, partial(self._take, k))
 
     def forget(self) -> None:
         """Expect no answer any more: whoever reads these objects gets his own."""
+        self.asking = False
         for entry in self._entries:
             self._asked.forget(entry.object, entry.sub)
 

@@ -8,7 +8,7 @@ digital error modes and values. CiA 301: 0x1029 error behaviour.
 """
 
 from collections.abc import Sequence
-from contextlib import suppress
+from functools import partial
 from math import ceil, inf
 from typing import Any, Final
 
@@ -29,7 +29,7 @@ from drivers.cia401.codec import (
 )
 from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.module_settings import PROFILE, ModuleSettings
-from rig.hal import ConnectionFailed, EmergencyStopInput, LimitExceeded, Reading, Vector
+from rig.hal import EmergencyStopInput, LimitExceeded, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -123,10 +123,11 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         )
         echoed = settings.wired if settings.echo else {}
         self._echoes = OutputEchoes(name, settings.node, echoed, bus)
-        self._unheard = self._asks = False
+        self._unheard = False
         self._asked = AskedMonitors(
-            self._node.asked, settings.transmit_entries[:count], self._monitor_lines
-        )
+            self._node.asked, settings.transmit_entries[:count], self._monitor_lines,
+            partial(bus.wake, settings.node),
+        )  # fmt: skip
         # Cycles; who talks to a module without a cycle has nothing that SYNC could be late for.
         self._patience = ceil(_SILENT / bus.period) if bus.period else inf
         self._unanswered = 0
@@ -252,24 +253,16 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
             refused = said is not None and said.is_about_setpoints and not self._module.echo
             silent = self._unanswered > self._patience
             self._unheard = refused or silent or self._echoes.are_missing
-        if self._unheard and not self._asks:
+        if self._unheard and not self._asked.asking:
             self._node.halt()
 
     def _ask_monitors(self) -> None:
-        """Ask for the monitors of a module that was stopped, for it samples nothing any more.
-
-        It is woken for that, and follows no setpoint. One object is asked for each time.
-        """
-        if not self._unheard:
-            return
-        with suppress(ConnectionFailed, OSError):
-            if not self._asks:
-                self._bus.wake(self._module.node)
-            self._asks = True
+        """Ask for the monitors of a module that was stopped, for it samples nothing any more."""
+        if self._unheard:
             self._asked.ask()
-        told = self._asked.reading()
-        if told.t > self._measured_at:
-            self._pressure, self._measured_at = told
+            told = self._asked.reading()
+            if told.t > self._measured_at:
+                self._pressure, self._measured_at = told
 
     def close(self) -> None:
         """Expect nothing of the module any more; the bus stops it. Idempotent."""
@@ -388,7 +381,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
     def _forget_setpoints(self) -> None:
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._echoes.reset()
-        self._unheard = self._asks = False
+        self._unheard = False
         self._asked.forget()
         self._unanswered = 0
         self._setpoint = self._safe

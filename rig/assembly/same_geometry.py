@@ -1,4 +1,4 @@
-"""Whether a simulated rig has the cylinders that its mechanism's settings say."""
+"""Whether a simulated rig has the cylinders and legs that its mechanism's settings say."""
 
 import dataclasses
 from typing import Final
@@ -18,6 +18,8 @@ which setting they may differ: what homing leaves and what units are off their d
 
 def check_same_geometry(profile: Profile) -> None:
     """Refuse a plant with other cylinders than the controllers believe in: it faults at once.
+
+    Nor can one stand whose hips begin where its legs do not reach.
 
     Raises
     ------
@@ -39,7 +41,27 @@ def check_same_geometry(profile: Profile) -> None:
             f"{profile.mechanism}.{ours} is {believed * 1e3:g} mm and {key} is {true * 1e3:g} mm"
             f"{unsaid}: the simulated rig is another one; say both alike"
         )
-    SeveralErrors.raise_if_any(found)
+    SeveralErrors.raise_if_any([*found, *_out_of_reach(profile)])
+
+
+def _out_of_reach(profile: Profile) -> list[str]:
+    """Return that simulated legs begin higher or lower than theirs reach, if they do."""
+    assert profile.plant is not None
+    thigh, shank = (
+        _length(profile.mechanism_settings, f"geometry.{link}") for link in ("thigh", "shank")
+    )
+    height = _length(profile.plant.settings, "initial_hip_height")
+    if thigh is None or shank is None or height is None:
+        return []
+    if abs(thigh - shank) < height <= thigh + shank:
+        return []
+    key = "plant.initial_hip_height"
+    unsaid = "" if key in profile.places else " by default"
+    return [
+        f"{key} is {height * 1e3:g} mm{unsaid}, and with {profile.mechanism}.geometry.thigh of "
+        f"{thigh * 1e3:g} mm and {profile.mechanism}.geometry.shank of {shank * 1e3:g} mm it can "
+        f"be {abs(thigh - shank) * 1e3:g} … {(thigh + shank) * 1e3:g} mm: say one in between"
+    ]
 
 
 def _length(settings: object, key: str) -> float | None:

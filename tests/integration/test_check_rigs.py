@@ -83,6 +83,18 @@ def test_a_simulated_cylinder_of_another_width_is_refused(capsys, key, value):
     assert invoke(["check", "cylinder", *said, "--set", f"plant.cylinder.{key}={value}"]) == 0
 
 
+@pytest.mark.parametrize("rig", ["legs", "legs-can"])
+def test_simulated_legs_that_begin_higher_than_they_reach_are_refused(capsys, rig):
+    """They were a ValueError of the plant when they were run."""
+    said = [f"--set=legs.geometry.{link}=92 mm" for link in ("thigh", "shank")]
+    assert invoke(["check", rig, *said]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "plant.initial_hip_height is 190 mm by default" in told
+    assert "it can be 0 … 184 mm" in told
+    assert invoke(["check", rig, *said, "--set", "plant.initial_hip_height=175 mm"]) == 0
+    assert invoke(["check", rig]) == 0
+
+
 @pytest.mark.parametrize(
     ("words", "near"),
     [

@@ -12,6 +12,7 @@ from drivers.cia401.asked_monitors import AskedMonitors
 ENTRIES = (Entry(0x6401, 1, "i16"), Entry(0x6401, 2, "i16"), Entry(0x2401, 3, "u32"))
 SCALES = (10.0, 20.0, 0.5)
 LOW, HIGH = -100, 30_000
+WOKEN = (0x000, "8010")
 
 
 def answer(entry, raw, code):
@@ -26,13 +27,15 @@ def asked():
     sent = []
     objects = AskedObjects(lambda can_id, data: sent.append((can_id, data.hex().upper())), 0x10)
     lines = [(k, lambda raw, by=by: by * raw, LOW, HIGH) for k, by in enumerate(SCALES)]
-    return AskedMonitors(objects, ENTRIES, lines), sent, objects
+    monitors = AskedMonitors(objects, ENTRIES, lines, lambda: sent.append(WOKEN))
+    return monitors, sent, objects
 
 
 def test_one_is_asked_for_each_time_and_all_in_turn(asked):
     monitors, sent, _ = asked
     for _ in range(4):
         monitors.ask()
+    assert sent.pop(0) == WOKEN  # once
     assert [data for _, data in sent] == [
         "4001640100000000", "4001640200000000", "4001240300000000", "4001640100000000",
     ]  # fmt: skip
@@ -69,3 +72,15 @@ def test_what_is_forgotten_is_left_to_who_reads_it(asked):
     monitors.ask()
     monitors.forget()
     assert not objects.take(answer(ENTRIES[0], 5, 0x4B), 1.0)
+
+
+def test_a_bus_that_is_gone_tells_nothing():
+    def gone(*_):
+        raise OSError("the bus is not open")
+
+    monitors = AskedMonitors(AskedObjects(gone, 1), ENTRIES, [], lambda: None)
+    monitors.ask()
+    assert monitors.reading().t == -inf
+    asleep = AskedMonitors(AskedObjects(lambda *_: None, 1), ENTRIES, [], gone)
+    asleep.ask()
+    assert not asleep.asking
