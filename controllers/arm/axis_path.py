@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, nearest_turns, reachable, wrist_joints
-from controllers.arm.kinematics import Dimensions, forward, wrist_in_plane
+from controllers.arm.kinematics import (
+    Dimensions,
+    forward,
+    singularity_indices,
+    wrist_in_plane,
+)
+from controllers.arm.singular_places import NEAR
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints, Pose
 from controllers.arm.vectors import rotation_error
@@ -29,8 +35,8 @@ _SHORTEST = 1e-13
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
 _LOOKED_AT = 500
 """Places of a path that leaves the workspace at which it is looked at by how much."""
-_LEAVING = 1e-3
-"""Share of the path after which it is looked at how a singularity at its beginning is left."""
+_LEAVING = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+"""Shares of the path after which it is looked at how a singularity at its beginning is left."""
 _REFINEMENTS = 8
 """How often steps are halved between which the path is left."""
 _NEWTON = 3
@@ -159,8 +165,7 @@ def axis_path_of_line(
                 step *= 0.5 if q is not None else 0.77
                 continue
             raise InfeasibleMotion(
-                f"{_gone(trajectory, t)} the path meets a singularity that the joints do not pass "
-                f"smoothly: the wrist or the base would have to jump."
+                f"{_gone(trajectory, t)} the path meets {_met(arm, joints[-1])} would have to jump."
             )
         nominal.append(t)
         joints.append(q)
@@ -189,13 +194,16 @@ def _start(arm: Dimensions, trajectory: Trajectory, solutions: Inverse) -> Joint
     start = trajectory.start
     if not _is_open(arm, start):
         return start
-    soon = 0.5 * _LEAVING * trajectory.duration
     begins = []
-    for first in solutions(soon, start):
-        second = min(solutions(2.0 * soon, first), key=lambda q: math.dist(q, first))
-        if not _is_open(arm, first):
+    for soon in (share * trajectory.duration for share in _LEAVING):
+        for first in solutions(soon, start):
+            second = min(solutions(2.0 * soon, first), key=lambda q: math.dist(q, first))
             guess = _extrapolated([2.0 * soon, soon], [second, first], 0.0)
-            begins.append(_decided(arm, trajectory.pose(0.0), start, guess))
+            begin = _decided(arm, trajectory.pose(0.0), start, guess)
+            if not _is_open(arm, first) and math.dist(begin, guess) < 0.1 * FINEST:
+                begins.append(begin)
+        if begins:
+            break
     return min(begins, key=lambda q: math.dist(q, start), default=start)
 
 
@@ -231,6 +239,20 @@ def _loose(arm: Dimensions, trajectory: Trajectory, path: AxisPath) -> list[floa
         if math.dist(wanted.position, made.position) > _LOOSE or turned > _LOOSE_TURN:
             found.append(s)
     return found
+
+
+def _met(arm: Dimensions, q: Joints) -> str:
+    """Return in words at which singularity joints are, and which of them cannot go on."""
+    c, s3, s5 = singularity_indices(arm, q)
+    shares = [abs(its) / near for its, near in zip((c, s3, s5), NEAR, strict=True)]
+    which = shares.index(min(shares))
+    return (
+        f"the shoulder's singularity (c = {c:.3g} m), which the joints do not pass smoothly: q1",
+        f"the elbow's singularity (S3 = {s3:.3g}), beyond which it is not reached on this branch: "
+        "q1 to q3",
+        f"the wrist's singularity (S5 = {s5:.3g}), which the joints do not pass smoothly: "
+        "q4 and q6",
+    )[which]
 
 
 def _farthest(trajectory: Trajectory, t: float, left: OutOfReach, reached: Inverse) -> str:

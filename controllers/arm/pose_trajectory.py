@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 
 _SAMPLES = 4000
 """Of the spline, for its length."""
+_HALVINGS = 12
+"""How often the samples are halved, at most."""
+_UNEVEN = 1e-5
+"""By how much the hand's speed may differ from the path's, relative, beside its samples."""
 _BETWEEN = 65
 """Places that are looked at between three samples."""
 _ROUNDS = 4
@@ -65,12 +69,7 @@ class PoseTrajectory:
         u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
         self._places = CubicSpline(u, points)
         self._turning = _turning(u, poses, axes, np.array(forward(arm, near).rotation))
-        fine = np.unique(np.concatenate((np.linspace(0.0, u[-1], _SAMPLES), u)))
-        slopes = np.linalg.norm(self._places(fine, 1), axis=1)
-        middle = np.linalg.norm(self._places(0.5 * (fine[1:] + fine[:-1]), 1), axis=1)
-        pieces = np.diff(fine) * (slopes[1:] + 4.0 * middle + slopes[:-1]) / 6.0
-        lengths = np.concatenate(([0.0], np.cumsum(pieces)))
-        self._at = CubicSpline(lengths, fine)
+        fine, lengths = self._measured(np.linspace(0.0, u[-1], _SAMPLES), u)
         self._fine, self._samples = fine, np.asarray(self._places(fine))
         self._spacing = float(np.linalg.norm(np.diff(self._samples, axis=0), axis=1).max())
         self.speed = speed
@@ -81,6 +80,27 @@ class PoseTrajectory:
         )
         self.start = self._begin(arm, begin)
         self.carried = carried
+
+    def _measured(self, even: Array, u: Array) -> tuple[Array, Array]:
+        """Return places of the spline and its lengths up to them, close where it bends sharply.
+
+        There the hand would not have its speed: halfway between two places that is looked at.
+        """
+        fine = np.unique(np.concatenate((even, u)))
+        for _ in range(_HALVINGS):
+            slopes = np.linalg.norm(self._places(fine, 1), axis=1)
+            halfway = 0.5 * (fine[1:] + fine[:-1])
+            middle = np.linalg.norm(self._places(halfway, 1), axis=1)
+            pieces = np.diff(fine) * (slopes[1:] + 4.0 * middle + slopes[:-1]) / 6.0
+            lengths = np.concatenate(([0.0], np.cumsum(pieces)))
+            self._at = CubicSpline(lengths, fine)
+            s = 0.5 * (lengths[1:] + lengths[:-1])
+            speed = np.linalg.norm(self._places(self._at(s), 1), axis=1) * self._at(s, 1)
+            loose = np.abs(speed - 1.0) > _UNEVEN
+            if not loose.any():
+                break
+            fine = np.unique(np.concatenate((fine, halfway[loose])))
+        return self._at(lengths), lengths
 
     def pose(self, t: float) -> Pose:
         """Return the pose at a nominal time."""

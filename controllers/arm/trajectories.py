@@ -160,10 +160,13 @@ class StraightTrajectory:
             It is not within `travel`, or the line meets the inner boundary before.
         """
 
-        def margin(t: float) -> tuple[float, float]:
+        def wrist(t: float) -> Vector:
             position = along(self._origin.position, self.direction, self.speed * t)
             rotation = turned(self._axis, self._rate * t, self._origin.rotation)
-            square = self._from_shoulder(arm, wrist_of_pose(arm, Pose(position, rotation)))
+            return wrist_of_pose(arm, Pose(position, rotation))
+
+        def margin(t: float) -> tuple[float, float]:
+            square = self._from_shoulder(arm, wrist(t))
             return (arm.a2 + arm.a3) ** 2 - square, square - (arm.a2 - arm.a3) ** 2
 
         last = travel / self.speed
@@ -173,6 +176,13 @@ class StraightTrajectory:
         t = 0.0
         while margin(t + step)[0] > 0.0:
             t += step
+            x, y, _ = wrist(t)
+            if math.hypot(x, y) < abs(arm.offset):
+                raise InfeasibleMotion(
+                    f"after {self.speed * t:.4f} m the line leads the wrist centre to "
+                    f"{math.hypot(x, y):.4g} m from the axis of q1, nearer than the shoulder's "
+                    f"offset of {abs(arm.offset):g} m."
+                )
             if margin(t)[1] < 0.0:
                 raise InfeasibleMotion(
                     f"after {self.speed * t:.4f} m the line meets the inner boundary, where the "

@@ -9,7 +9,9 @@ from scipy.interpolate import CubicSpline
 from twist_oracle import hand_of
 
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.arm.paths import TurnBack
 from controllers.arm.pose_path import PosePath
 from controllers.motion import InfeasibleMotion
 
@@ -99,3 +101,77 @@ def test_a_spline_that_leaves_the_workspace_is_refused_with_where_it_is_farthest
     assert np.interp(float(said[1]), gone, beyond) > -1e-8
     assert 1e-3 * float(said[3]) == pytest.approx(beyond.max(), rel=0.01)
     assert np.interp(float(said[2]), gone, beyond) == pytest.approx(beyond.max(), rel=0.01)
+
+
+def test_a_line_through_the_void_round_the_axis_of_q1_is_refused_at_once():
+    """It was integrated for 33 s, and then refused for a hand 40 mm off its path."""
+    arm = ArmGeometry(a2=0.315, a3=0.407, d6=0.178, base_height=0.067, shoulder_offset=0.146)
+    start = (-0.15, -0.405, 0.965, 1.288, -0.552, -0.247)
+    path = TurnBack(start=start, direction=(-0.97, -0.0135, -1.0), speed=0.05, turn_rate=0.0)
+    with pytest.raises(InfeasibleMotion) as refused:
+        LookAhead(LookAheadSettings(), arm, PERIOD).prepare(path)
+    said = re.search(
+        r"after (\S+) m the line leads the wrist centre to (\S+) m from the axis of q1, nearer "
+        r"than the shoulder's offset of 0\.146 m",
+        str(refused.value),
+    )
+    at, turn = hand_of(arm, start)
+    way = np.array(path.direction) / np.linalg.norm(path.direction)
+    wrist = at + float(said[1]) * way - turn.apply([0.0, 0.0, arm.d6])
+    assert np.hypot(*wrist[:2]) == pytest.approx(float(said[2]), abs=1e-4)
+
+
+def test_where_an_arm_is_stretched_that_reaches_on_by_its_other_side_alone_it_is_said():
+    """With a1 the boundary of a branch lies within that of the arm."""
+    arm = ArmGeometry(a2=0.25, a3=0.29, d6=0.08, a1=-0.06, shoulder_offset=0.036)
+    path = PosePath(
+        points=((0.30, 0.25, 0.10), (0.55, 0.20, 0.10)), near=(0.3, 0.6, 0.6, 0.0, 0.5, 0.0)
+    )
+    with pytest.raises(InfeasibleMotion, match=r"the elbow's singularity \(S3 = .*on this branch"):
+        LookAhead(LookAheadSettings(), arm, PERIOD).prepare(path)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_path_begins_and_ends_at_the_wrists_singularity(seed):
+    """Which q4 it begins with is for the path to say."""
+    rng = np.random.default_rng((32, seed))
+    near = (*rng.uniform((-1.0, 0.0, 1.0), (1.0, 0.5, 1.8)), rng.uniform(-1, 1), 0.0, 0.0)
+    begin, turn = hand_of(ARM, near)
+    way = rng.normal(size=3)
+    bent = begin + np.outer(np.linspace(0.0, 0.1, 4), way / np.linalg.norm(way))
+    bent[1:3] += 0.01 * rng.normal(size=(2, 3))
+    points = [bent, bent[::-1]][seed % 2]
+    law = LookAhead(LookAheadSettings(), ARM, PERIOD)
+    made = law.prepare(PosePath(points=tuple(map(tuple, points)), near=near))
+    ends = np.sin(made.positions[[0, -1], 4])
+    assert abs(ends[seed % 2 and -1]) < 1e-6
+    for joints in made.positions[::5]:
+        assert (hand_of(ARM, joints)[1] * turn.inv()).magnitude() < 1e-6
+    assert (made.rates / np.array(ARM.rate_limits)).max() < 1.001
+
+
+def test_a_path_begins_at_the_wrists_singularity_on_the_branch_that_is_near():
+    """Reaching back the arm would begin with a q4 that is nearer, and cannot go on from there."""
+    arm = ArmGeometry(a2=0.579, a3=0.205, d6=0.18, base_height=0.409, wrist_sign=-1, a1=0.084)
+    near = (-0.2457, -0.1996, 1.0639, -0.6239, 0.0, -0.4377)
+    begin = hand_of(arm, near)[0]
+    points = tuple(tuple(begin + x * np.array([0.0579, 0.0192, -0.0913])) for x in (0.0, 0.5, 1.0))
+    made = LookAhead(LookAheadSettings(), arm, PERIOD).prepare(PosePath(points=points, near=near))
+    assert np.linalg.norm(made.positions[0, :3] - near[:3]) < 1e-6
+    for joints in made.positions[::5]:
+        at, turn = hand_of(arm, joints)
+        assert np.linalg.norm(np.cross(at - begin, points[-1] - begin)) < 1e-9
+        assert (turn * hand_of(arm, near)[1].inv()).magnitude() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [0, 3, 5])
+def test_the_hand_keeps_its_speed_where_a_spline_bends_sharply(seed):
+    rng = np.random.default_rng((33, seed))
+    steps = np.cumsum(rng.normal(size=(50, 3)) * 0.03, axis=0)
+    bends = CubicSpline(np.linspace(0.0, 1.0, 50), steps - steps[0])(np.linspace(0.0, 1.0, 200))
+    points = bends + hand_of(ARM, NEAR)[0] - 0.15 * TOOL / ARM.d6
+    path = PosePath(points=tuple(map(tuple, points)), near=NEAR, speed=0.05)
+    trajectory = path.trajectory(dimensions_of(ARM))
+    t = np.linspace(0.0, trajectory.duration, 20_001)
+    speeds = [np.linalg.norm(trajectory.twist(at).linear) for at in t.tolist()]
+    assert np.abs(np.array(speeds) / path.speed - 1.0).max() < 1e-3
