@@ -36,9 +36,9 @@ EXPERIMENTS = (
     "cylinder-staircase",
     "cylinder-step",
     "cylinder-ideal-sine",
-    "cylinder-sine-low-speed",
+    "cylinder-ideal-sine-low-speed",
     "cylinder-ideal-staircase",
-    "cylinder-staircase-low-speed",
+    "cylinder-ideal-staircase-low-speed",
     "cylinder-ideal-step",
 )
 MADE_UP_FOR = 1e-3

@@ -68,7 +68,7 @@ def draw(count, experiments, last):
 
 
 @pytest.mark.parametrize(
-    ("experiment", "seed", "at"), draw(8, ["cylinder-sine", "cylinder-sine-low-speed"], 2.9)
+    ("experiment", "seed", "at"), draw(8, ["cylinder-sine", "cylinder-ideal-sine-low-speed"], 2.9)
 )
 def test_cylinder_does_not_reach_its_end(experiment, seed, at):
     truth = kill(experiment, (*SINE, f"simulation.seed={seed}"), at)

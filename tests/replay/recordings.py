@@ -29,7 +29,7 @@ def _pairs():
         )  # fmt: skip
         yield Recording(
             f"cylinder-low-speed-{law}", f"{law} as it is tuned for low-speed seals",
-            "cylinder-staircase-low-speed", "virtual",
+            "cylinder-ideal-staircase-low-speed", "virtual",
             (*_SHORT, f"controller={law}", "loop.rate=500 Hz"), (_STOP,),
         )  # fmt: skip
     happen = {
