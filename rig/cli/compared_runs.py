@@ -15,12 +15,15 @@ import click
 
 if TYPE_CHECKING:
     from multiprocessing.queues import SimpleQueue
+    from multiprocessing.synchronize import Event
 
     from rig.run_facts import RunStatus
 
 INTERRUPTED: Final = 130
-_PATIENCE: Final = 1.0
+_PATIENCE: Final = 3.0
 """So long a simulated run may take to stop at once and close its books, s."""
+_SETTLED: Final = 0.5
+"""All books that are known of have been closed for so long: no run has just begun, s."""
 _LOOK: Final = 0.05
 _INTERRUPTS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -69,8 +72,17 @@ class ComparedRuns(NamedTuple):
     interrupted: bool
 
 
-_told: list[SimpleQueue[tuple[str, Path]]] = []
-"""Where a process that runs jobs for another says which folder it works in."""
+class _Master(NamedTuple):
+    """The lines between a process and those that run jobs for it."""
+
+    started: SimpleQueue[tuple[str, Path]]
+    """They say here which folder they work in."""
+    stopping: Event
+    """No job begins any more; the pool has handed out more than are running."""
+
+
+_master: list[_Master] = []
+"""Of a process that runs jobs for another."""
 
 
 def run_all(jobs: Sequence[Job], backend: str) -> ComparedRuns:
@@ -104,9 +116,9 @@ def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> 
 
     with _deaf():  # what is begun here hears nothing of the terminal either
         context = get_context("spawn")
-        started: SimpleQueue[tuple[str, Path]] = context.SimpleQueue()
+        master = _Master(context.SimpleQueue(), context.Event())
         pool = ProcessPoolExecutor(
-            workers, mp_context=context, initializer=_leave_terminal, initargs=(started,)
+            workers, mp_context=context, initializer=_leave_terminal, initargs=(master,)
         )
     try:
         with _deaf():
@@ -119,19 +131,19 @@ def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> 
     except BaseException:
         with _deaf():
             pool.shutdown(wait=False, cancel_futures=True)
-            folders = _stop_at_once(started)
+            folders = _stop_at_once(master)
             ended.update(_closed_before(folders, ended))
         raise
     pool.shutdown()
 
 
-def _leave_terminal(started: SimpleQueue[tuple[str, Path]]) -> None:
+def _leave_terminal(master: _Master) -> None:
     """Begin a process that runs jobs: Ctrl-C is for the one that began it, and ends it, too."""
     from multiprocessing import parent_process
 
     os.setsid()
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPTS)
-    _told.append(started)
+    _master.append(master)
     parent = parent_process()
     assert parent is not None
 
@@ -142,12 +154,13 @@ def _leave_terminal(started: SimpleQueue[tuple[str, Path]]) -> None:
     threading.Thread(target=follow, daemon=True).start()
 
 
-def _stop_at_once(started: SimpleQueue[tuple[str, Path]]) -> dict[str, Path]:
+def _stop_at_once(master: _Master) -> dict[str, Path]:
     """Stop the runs of all processes, then end these; return the folder of each run that began."""
     from multiprocessing import active_children
 
     from rig.run_facts import RunStatus
 
+    master.stopping.set()
     workers = [child.pid for child in active_children() if child.pid is not None]
     for _ in range(2):  # one stops a run in the orderly way
         for pid in workers:
@@ -156,12 +169,13 @@ def _stop_at_once(started: SimpleQueue[tuple[str, Path]]) -> dict[str, Path]:
         sleep(_LOOK)
     folders: dict[str, Path] = {}
     until = monotonic() + _PATIENCE
-    while monotonic() < until:
-        while not started.empty():
-            label, path = started.get()
+    closed = monotonic()
+    while monotonic() < min(until, closed + _SETTLED):
+        while not master.started.empty():
+            label, path = master.started.get()
             folders[label] = path
-        if all(_status_of(path) is not RunStatus.RUNNING for path in folders.values()):
-            break
+        if any(_status_of(path) is RunStatus.RUNNING for path in folders.values()):
+            closed = monotonic()
         sleep(_LOOK)
     for pid in workers:  # what draws figures for one is of its group
         with suppress(ProcessLookupError, PermissionError):
@@ -228,9 +242,11 @@ def _run(job: Job, *, watched: bool = False) -> Ended:
         """Tells the process that began this one which folder a run is in."""
 
         def started(self, path: Path) -> None:
-            for queue in _told:
-                queue.put((job.label, path))
+            for master in _master:
+                master.started.put((job.label, path))
 
+    if any(master.stopping.is_set() for master in _master):
+        raise KeyboardInterrupt
     plan = load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
     backend = Backend(job.backend)
     if watched:

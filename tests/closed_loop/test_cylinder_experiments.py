@@ -17,7 +17,6 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 SINE = "reference.tones=[{frequency: 0.2 Hz, periods: 3}]"
 ONLY_RMS = "metrics={tracking_rms: {segments: 0.2 Hz}}"
 SEALS = ("", "-low-speed")
-IDEAL = {"": "ideal-", "-low-speed": ""}
 """Both are on ideal regulators, which let the seals speak."""
 SEEDS = (0, 1, 2)
 BOUND = {
@@ -40,9 +39,7 @@ def measure(tmp_path_factory):
     @cache
     def measured(kind, seals, *options, backend=Backend.VIRTUAL):
         extra = [SINE, ONLY_RMS] if kind == "sine" else ["metrics={hold_rms: {}}"]
-        plan = load_plan(
-            f"cylinder-{IDEAL[seals]}{kind}{seals}", [*extra, *options], configs=CONFIGS
-        )
+        plan = load_plan(f"cylinder-ideal-{kind}{seals}", [*extra, *options], configs=CONFIGS)
         result = run_experiment(plan, backend, tmp_path_factory.mktemp("runs"), report=False)
         assert result.message is None
         return next(metric.value for metric in result.metrics if metric.name == METRIC[kind])

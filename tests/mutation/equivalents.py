@@ -144,12 +144,6 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
         "where the number of falls changes, the speed from either number is the same",
     ),
-    Equivalent(
-        "rig/mechanisms/joint/alarms/wires.py",
-        "both = k, (k + 2) % 4",
-        "k + 2 -> k - 2",
-        "modulo four it is the same",
-    ),
     *(
         Equivalent(
             "rig/mechanisms/joint/alarms/wires.py",
@@ -176,25 +170,10 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
                 "offs[k][0] < _EXPLAINED * residual -> offs[k][0] <= _EXPLAINED * residual",
             ),
             (
-                "if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):",
-                "max(rests) > _FAR -> max(rests) >= _FAR",
-            ),
-            (
-                "if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):",
-                "min(rests) < _CLEARLY * max(rests) -> min(rests) <= _CLEARLY * max(rests)",
-            ),
-            (
                 "if abs(residuals[left_out]) < 1e-7:",
                 "abs(residuals[left_out]) < 1e-07 -> abs(residuals[left_out]) <= 1e-07",
             ),
         )
-    ),
-    Equivalent(
-        "rig/mechanisms/joint/alarms/wires.py",
-        "while began and max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0]:",
-        "max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0] -> "
-        "max(steps[began - 1][1]) >= _BEGINS * steps[began - 1][0]",
-        "no way of a whole number of counts is a tenth of a metre a second",
     ),
     Equivalent(
         "rig/mechanisms/cylinder/watch.py",
@@ -265,12 +244,6 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)",
         "likeness > bounds.slow * power -> likeness >= bounds.slow * power",
         "it only saves the second half, which asks for more",
-    ),
-    Equivalent(
-        "rig/mechanisms/pneumatic/alarms/pressures.py",
-        'supply = ", or the supply pressure is lost" if channel.mean < channel.usual else ""',
-        "channel.mean < channel.usual -> channel.mean <= channel.usual",
-        "the mean is just the usual one before anything was off only, when nothing is strange",
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",

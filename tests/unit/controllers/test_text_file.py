@@ -25,7 +25,7 @@ def test_a_pipe_a_device_and_a_folder_are_refused_at_once(read, tmp_path):
 @pytest.mark.parametrize("read", READERS)
 def test_what_is_too_long_missing_or_no_text_is_refused(read, tmp_path):
     path = tmp_path / "motion.csv"
-    with pytest.raises(InfeasibleMotion, match="No such file"):
+    with pytest.raises(InfeasibleMotion, match="there is no such file"):
         read(path)
     path.write_bytes(b"x (mm)\xff")
     with pytest.raises(InfeasibleMotion, match="can't decode"):
