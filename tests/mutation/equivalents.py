@@ -175,6 +175,24 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
             ),
         )
     ),
+    *(
+        Equivalent(
+            "rig/mechanisms/joint/alarms/runs.py",
+            line,
+            change,
+            "no way of a whole number of counts is such a decimal of a metre",
+        )
+        for line, change in (
+            (
+                "return among[first] if leads and ways[first] > _LEAST_WAY else None",
+                "ways[first] > _LEAST_WAY -> ways[first] >= _LEAST_WAY",
+            ),
+            (
+                "return max(step[1]) > _BEGINS * step[0]",
+                "max(step[1]) > _BEGINS * step[0] -> max(step[1]) >= _BEGINS * step[0]",
+            ),
+        )
+    ),
     Equivalent(
         "rig/mechanisms/cylinder/watch.py",
         "self._step = self._then = 0.0",

@@ -59,10 +59,11 @@ def test_the_first_cycles_of_the_last_run_say_who_leads(seed):
     assert {0, 1, None} <= set(led)
 
 
-@pytest.mark.parametrize(("way", "clear"), [(31, True), (29, False)])
-def test_who_leads_gained_half_as_much_again(way, clear):
+@pytest.mark.parametrize(("way", "clear"), [(31, True), (30, False)])
+@pytest.mark.parametrize("among", [(0, 2), (3, 2, 1, 0)])
+def test_who_leads_gained_half_as_much_again(way, clear, among):
     runs = runs_of([(0, 0), (0, 0), (way, 20), (0, 0)])
-    assert runs.leader((0, 2), (BASE,) * 4) == (0 if clear else None)
+    assert runs.leader(among, (IDLE + 2.0**12,) * 4) == (0 if clear else None)
 
 
 @pytest.mark.parametrize(("pressure", "clear"), [(BASE, True), (IDLE + 2.1 * (BASE - IDLE), False)])
