@@ -144,6 +144,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
         "where the number of falls changes, the speed from either number is the same",
     ),
+    Equivalent(
+        "rig/mechanisms/joint/alarms/wires.py",
+        "both = (k, (k + 2) % 4)",
+        "k + 2 -> k - 2",
+        "modulo four it is the same",
+    ),
     *(
         Equivalent(
             "rig/mechanisms/joint/alarms/wires.py",
