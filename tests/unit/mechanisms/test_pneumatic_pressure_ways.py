@@ -47,6 +47,8 @@ def test_what_is_as_old_as_the_stretch_counts():
         ways.note(now, (pressure,), (2.0 * pressure,))
     assert ways.share_gone(0, 3.9) == 0.5  # of 5 and 1: 7 is gone, or they went farther
     assert math.isnan(ways.share_gone(0, 4.0))
+    assert ways.follows(0, 3.9) == 0.5
+    assert math.isnan(ways.follows(0, 4.0))
 
 
 @pytest.mark.parametrize("seed", range(5))
