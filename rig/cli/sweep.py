@@ -172,7 +172,22 @@ def show(found: Sweep, metric: str | None) -> None:
                 click.echo(f"{len(header) - len(shown)} more metrics: {found.folder}", err=True)
     told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
-    click.echo(f"{found.end}: {found.folder / 'sweep.csv'}, sweep.html", err=True)
+    click.echo(_where(found), err=True)
+
+
+def _where(found: Sweep) -> str:
+    """Return how it ended, and which files have what it found."""
+    from rig.sweeping.page import PAGE
+    from rig.sweeping.result import SweepEnd
+    from rig.sweeping.table import CSV
+
+    if found.end is SweepEnd.INTERRUPTED:
+        return (
+            f"interrupted: what is finished is kept in {found.folder / CSV}; the same command goes "
+            "on from there, and draws the figure"
+        )
+    page = f", {PAGE}" if (found.folder / PAGE).is_file() else ""
+    return f"{found.end}: {found.folder / CSV}{page}"
 
 
 def _room() -> float:

@@ -1,5 +1,6 @@
 """The page of a sweep: figure, best and worst points, failures, and every run that was kept."""
 
+import contextlib
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from rig.sweeping.result import Sweep
 
 PAGE: Final = "sweep.html"
+DRAWN: Final = (PAGE, "sweep.png", "sweep.svg", "sweep.pdf")
+"""What is drawn from the table, by name."""
 _SHOWN: Final = 20
 """Most rows of a table of the page; sweep.csv has all."""
 
@@ -29,6 +32,13 @@ def draw(sweep: "Sweep", metric: str | None, title: str, say: Callable[[str], No
         write_page(sweep, metric, title)
     except (RigError, OSError) as error:
         say(f"there is no figure: {error}")
+
+
+def remove_drawn(folder: Path) -> None:
+    """Remove the page and the figure of fewer points than the table has now."""
+    for name in DRAWN:
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
 
 
 def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
-from rig.assembly import Backend
+from rig.assembly import REGISTRY, Backend
 from rig.config import Experiment, ProfileError, find_configs
 from rig.config.diagnostics import nearest
 from rig.config.experiment import rig_of
@@ -25,7 +25,7 @@ from rig.sweeping.engine import PERFORM, Engine, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
 from rig.sweeping.journal import Journal
-from rig.sweeping.page import draw
+from rig.sweeping.page import draw, remove_drawn
 from rig.sweeping.point import PointJob, reason_of
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
@@ -85,7 +85,7 @@ def run_sweep(
                 coordinator.run(_tasks(source, design, configs, logs))
             except KeyboardInterrupt:
                 end = SweepEnd.INTERRUPTED
-                shown.say("interrupted: no run goes on; writing the table and the figure …")
+                shown.say("interrupted: no run goes on; writing the table …")
                 journal.read()
             except SweepStopped as error:
                 trouble = error
@@ -94,9 +94,12 @@ def run_sweep(
         shown.clear()
         _remove_unfinished(logs)
         sweep = write_sweep(request.folder, SweepRows(design, coordinator, journal), end, shown.say)
-        title = f"{source.experiment} on {request.on}, {len(sweep.data.points)} points"
-        draw(sweep, request.best, title, shown.say)
-        _tell_of_edits(code, shown)
+        if end is SweepEnd.INTERRUPTED:  # who presses Ctrl-C does not wait for a figure
+            remove_drawn(request.folder)
+        else:
+            title = f"{source.experiment} on {request.on}, {len(sweep.data.points)} points"
+            draw(sweep, request.best, title, shown.say)
+            _tell_of_edits(code, shown)
         if trouble is not None:
             raise trouble
         return sweep
@@ -110,7 +113,8 @@ def _checked_source(
     options = (*_rig_by_path(request), *request.options)
     source = PointSource(name, options, request.rig, request.on, code.digest)
     check_axes(source, design, configs)
-    _check_metrics(request, resolve(source, design.options(0), configs).experiment)
+    first = resolve(source, design.options(0), configs)
+    _check_metrics(request, first.experiment, first.profile.mechanism)
     if request.serial:
         _preflight(source, design, configs)
     return source
@@ -151,12 +155,13 @@ def check_axes(source: PointSource, design: Design, configs: Path) -> None:
                 raise ConfigurationError(f"{', '.join(said)}: {reason_of(error)}") from error
 
 
-def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:
-    """Refuse a metric that the experiment does not ask for; bounds may be of it or of ``.min``."""
+def _check_metrics(request: SweepRequest, experiment: Experiment, mechanism: str) -> None:
+    """Refuse a metric that no run of the experiment has; bounds may be of it or of ``.min``."""
     rule = request.stop_when
+    known = (*experiment.metrics, *REGISTRY.reported(mechanism))
     for option, name in (("metric", request.best), ("stop when", rule and rule.metric)):
-        if name is not None and name.removesuffix(".min") not in experiment.metrics:
-            hint = nearest(name, experiment.metrics) or "it has none"
+        if name is not None and name.removesuffix(".min") not in known:
+            hint = nearest(name, known) or "it has none"
             raise ConfigurationError(f"{option}: {experiment.name} has no metric {name!r}; {hint}")
 
 

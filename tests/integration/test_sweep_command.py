@@ -118,6 +118,16 @@ def test_a_sweep_file_says_what_options_say(tmp_path, capsys):
     assert not any((tmp_path / "out" / "runs").iterdir())
 
 
+def test_it_is_best_and_ends_in_what_a_run_reports_of_itself(tmp_path, capsys):
+    code, shown, told = run(
+        capsys, "cylinder-ideal-step", *SHORT, "--set", "reference.repeats=1", "--seeds", "0:3",
+        "--workers", 1, "--metric", "air_used", "--stop-when", "setpoint_range < 10 MPa",
+        "--out", tmp_path,
+    )  # fmt: skip
+    assert code == 0, told
+    assert "best in air_used" in shown and "1 of 3 points" in told
+
+
 def test_a_point_that_cannot_be_is_a_row(tmp_path):
     found = sweep(
         "arm-elbow-turnback", {"reference.speed": ["0.1 m/s", "30 m/s"]}, on="sim",
@@ -155,6 +165,7 @@ def test_a_point_that_cannot_be_is_a_row(tmp_path):
         ((*AXES, "--stop-when", "x"), ("stop when",)),
         ((*AXES, "--stop-when", "rise < 1 s"), ("no metric 'rise'", "did you mean rise_time")),
         ((*AXES, "--metric", "overshot"), ("did you mean overshoot",)),
+        ((*AXES, "--metric", "airused"), ("no metric 'airused'", "did you mean air_used")),
     ],
 )  # fmt: skip
 def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, arguments, words):

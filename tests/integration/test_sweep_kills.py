@@ -115,6 +115,9 @@ def test_killed_fifty_times_it_writes_the_same(tmp_path, whole, seed):
 
 
 def test_interrupted_it_leaves_what_is_finished_and_goes_on(tmp_path, whole):
+    sweep_stub.sweep(tmp_path, 2, 2)
+    drawn = [tmp_path / name for name in ("sweep.html", "sweep.png", "sweep.pdf", "sweep.svg")]
+    assert all(path.is_file() for path in drawn)
     process = start(tmp_path, 2)
     while finished(tmp_path) < POINTS // 3:
         time.sleep(0.002)
@@ -122,6 +125,8 @@ def test_interrupted_it_leaves_what_is_finished_and_goes_on(tmp_path, whole):
     assert process.wait() == 0
     lines = (tmp_path / "sweep.csv").read_text().splitlines()
     assert POINTS // 3 <= len(lines) - 1 < POINTS
+    # Who interrupts does not wait for a figure, and finds none that is older than the table.
+    assert not any(path.exists() for path in drawn)
     sweep_stub.sweep(tmp_path, 2, POINTS)
     assert files(tmp_path) == whole
 
