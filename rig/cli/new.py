@@ -68,8 +68,9 @@ def new(
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
     from rig.scaffolding.files import experiment_text, profile_text
+    from rig.scaffolding.known_names import refuse_known_file, refuse_known_part
     from rig.scaffolding.names import refuse_taken, spell
-    from rig.scaffolding.packages import first_experiment, package_files, write_files
+    from rig.scaffolding.packages import first_experiment, package_files, profile_of, write_files
 
     spell(name)
     drawn = [(form, file) for form, file in (("urdf", urdf), ("dh", dh)) if file is not None]
@@ -86,16 +87,18 @@ def new(
     if kind in _PACKAGES:
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
-        refuse_taken(name)
         package = cast("PackageKind", kind)
+        first = first_experiment(package, name)
+        refuse_known_part(name, (profile_of(name), first), find_configs(configs))
+        refuse_taken(name)
         written = Path(name)
         write_files(written, package_files(package, name))
         if kind == "driver":
-            profile = written / "configs" / "rigs" / f"{name}-rig.yaml"
+            profile = written / "configs" / "rigs" / f"{profile_of(name)}.yaml"
             notes = (f"simulated, it shows a wire's tension: `measures` in {profile} chooses",)
         following = [
             f"pip install -e './{name}[test]'",
-            f"cd {name} && rig run {first_experiment(package, name)} --on sim",
+            f"cd {name} && rig run {first} --on sim",
             f"cd {name} && pytest tests",
         ]
     else:
@@ -103,6 +106,7 @@ def new(
         if os.path.lexists(file):  # also a link to nowhere: what is written must not follow it
             raise ConfigurationError(f"{file} is there already; nothing was written")
         search = find_configs(configs)
+        refuse_known_file(name, search)
         if kind == "experiment":
             text = experiment_text(name, rig, search, like)
             following = [f"rig check {file}", f"rig run {file} --on sim"]

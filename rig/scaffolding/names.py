@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 from rig.hal import ConfigurationError
 
 _NAME: Final = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_LONGEST: Final = 40
 
 
 class Spelling(NamedTuple):
@@ -34,10 +35,12 @@ def spell(name: str) -> Spelling:
         Files, modules or classes cannot be called so.
     """
     module = name.replace("-", "_")
-    if not _NAME.fullmatch(name) or len(name) > 40 or keyword.iskeyword(module):
+    if keyword.iskeyword(module):
+        raise ConfigurationError(f"{name} is a word of Python's own; choose another name")
+    if not _NAME.fullmatch(name) or len(name) > _LONGEST:
         raise ConfigurationError(
             f"{name!r} is no name for files and modules: small letters and digits, words apart by "
-            "dashes, as in fast-pi"
+            f"dashes, at most {_LONGEST} characters, as in fast-pi"
         )
     return Spelling(name, module, "".join(part.capitalize() for part in name.split("-")))
 

@@ -1,5 +1,6 @@
 """A package to begin with: a law, a driver or a mechanism, with its test and an experiment."""
 
+import re
 from importlib.resources import files
 from pathlib import Path
 from typing import Final, Literal
@@ -104,6 +105,7 @@ _FIRST: Final = {
     "mechanism": ("turns", "trimmed", _TURNS),
 }
 """Of the first experiment: what it is called after, the law, and the file."""
+_CLASS: Final = re.compile(r"\b[A-Z]\w+\b")
 _PROJECT: Final = """\
 [build-system]
 requires = ["hatchling>=1.26"]
@@ -138,17 +140,16 @@ def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
         Nothing can be called so.
     """
     spelling = spell(name)
+    _refuse_hiding(kind, spelling)
     source = Path("src", spelling.module)
     made = {Path("pyproject.toml"): _project(kind, spelling)}
-    for template in files(f"{_TEMPLATES}.{kind}").iterdir():
-        if not template.name.endswith(".py"):
-            continue
-        text = _renamed(kind, template.read_text(encoding="utf-8"), spelling)
-        if template.name == "suite.py":
+    for file, template in _templates(kind).items():
+        text = _renamed(kind, template, spelling)
+        if file == "suite.py":
             made[Path("tests", f"test_{spelling.module}.py")] = text
         else:
-            made[source / template.name] = text
-    made[Path("configs", "rigs", f"{name}-rig.yaml")] = _PROFILE[kind].format(name)
+            made[source / file] = text
+    made[Path("configs", "rigs", f"{profile_of(name)}.yaml")] = _PROFILE[kind].format(name)
     _, law, text = _FIRST[kind]
     made[Path("configs", "experiments", f"{first_experiment(kind, name)}.yaml")] = text.format(
         name, law.format(name), f", device.{spelling.module}_value" if kind == "driver" else ""
@@ -161,9 +162,44 @@ def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
     return made
 
 
+def _templates(kind: PackageKind) -> dict[str, str]:
+    """Return the text of each file of Python of a kind."""
+    return {
+        template.name: template.read_text(encoding="utf-8")
+        for template in files(f"{_TEMPLATES}.{kind}").iterdir()
+        if template.name.endswith(".py")
+    }
+
+
+def _refuse_hiding(kind: PackageKind, spelling: Spelling) -> None:
+    """Refuse a name whose classes would hide others that the files use: a law called ``law``.
+
+    Raises
+    ------
+    ConfigurationError
+        With the first such class.
+    """
+    old, new = _PLACEHOLDER[kind].class_name, spelling.class_name
+    for file, text in _templates(kind).items():
+        classes = set(_CLASS.findall(text))
+        own = {found for found in classes if old in found}
+        for found in sorted(own):
+            made = found.replace(old, new)
+            if made in classes - own:
+                raise ConfigurationError(
+                    f"{spelling.dashed}: its class {made} would hide another one that {file} uses; "
+                    f"choose another name, as my-{spelling.dashed}"
+                )
+
+
 def first_experiment(kind: PackageKind, name: str) -> str:
     """Return what the experiment of a package is called."""
     return f"{name}-{_FIRST[kind][0]}"
+
+
+def profile_of(name: str) -> str:
+    """Return what the profile of a package is called."""
+    return f"{name}-rig"
 
 
 def write_files(folder: Path, made: dict[Path, str]) -> None:

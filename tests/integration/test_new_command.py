@@ -108,7 +108,20 @@ def test_a_sensor_is_logged_in_the_unit_that_its_profile_says(here):
     [
         (("controller", "Fast"), "no name for files"),
         (("controller", "../x"), "no name for files"),
-        (("driver", "class"), "no name for files"),
+        (("driver", "class"), "class is a word of Python's own"),
+        (("driver", "x" * 41), "at most 40 characters"),
+        (("driver", "cylinder"), "cylinder is a rig already; choose another name, as my-cylinder"),
+        (("driver", "cia402"), "cia402 is a driver already"),
+        (("driver", "regulators"), "regulators is a device of the rig cylinder already"),
+        (("driver", "device"), "its class Device would hide another one that device.py uses"),
+        (("controller", "cascade"), "cascade is a controller already"),
+        (("controller", "law"), "its class Law would hide another one that law.py uses"),
+        (("mechanism", "joint"), "joint is a rig already"),
+        (("mechanism", "loop"), "loop is a key of profiles already"),
+        (("mechanism", "servo"), "its class ServoSettings would hide another one that settings.py"),
+        (("rig", "cylinder"), "cylinder is a rig already"),
+        (("rig", "cylinder-sine"), "cylinder-sine is an experiment already"),
+        (("experiment", "cylinder-sine"), "cylinder-sine is an experiment already"),
         (("mechanism", "seesaw", "--like", "crank"), "for experiments and rigs"),
         (("experiment", "mine", "--rig", "nobody"), "no experiment is of the rig"),
         (("rig", "mine", "--like", "cylindr"), "did you mean cylinder?"),
@@ -128,6 +141,15 @@ def test_a_program_is_told_what_was_written(here, capsys):
     assert (told["kind"], told["written"], said.err) == ("experiment", "mine.yaml", "")
     assert (here / told["written"]).exists()
     assert told["next"][0] == "rig check mine.yaml"
+
+
+def test_a_package_whose_files_would_hide_others_is_refused(here, capsys):
+    experiments = here / "configs" / "experiments"
+    experiments.mkdir(parents=True)
+    (experiments / "swing-turns.yaml").write_text("rig: cylinder\n")
+    assert invoke(["new", "mechanism", "swing"]) == 2
+    assert "swing-turns is an experiment already, which swing would have" in capsys.readouterr().err
+    assert not (here / "swing").exists()
 
 
 def test_what_is_there_stays(here, capsys):
