@@ -6,6 +6,7 @@ import sys
 
 import hypothesis
 import pytest
+import sample_of_the_day
 
 from rig import plug_ins, provenance
 
@@ -75,8 +76,10 @@ def pytest_collection_finish(session):
     gc.set_threshold(50_000, 20, 50)
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest itself heeds -m
 def pytest_collection_modifyitems(config, items):
     """Deselect marked tests whose marker the ``-m`` expression does not speak of."""
+    sample_of_the_day.set_the_others_apart(items, sample_of_the_day.today())
     asked = config.option.markexpr
     apart = [marker for marker in APART if marker not in asked]
     left_out = [item for item in items if any(item.get_closest_marker(m) for m in apart)]
@@ -100,6 +103,11 @@ def pytest_xdist_make_scheduler(config, log):
 def pytest_xdist_auto_num_workers(config):
     """Measure alone, and test on every core."""
     return 0 if "benchmark" in config.option.markexpr else os.cpu_count()
+
+
+def pytest_report_header(config):
+    """Say which day's sample of the slow cases this is."""
+    return f"slow cases that take turns: {sample_of_the_day.DAY}={sample_of_the_day.today()}"
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -204,6 +204,7 @@ def test_an_absurd_number_of_any_shipped_motion_is_refused(experiment):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("profile", PROFILES)
 def test_an_absurd_number_of_any_shipped_rig_is_refused(profile, tmp_path):
     assert accepted(profile, tmp_path) == []

@@ -57,6 +57,7 @@ def test_a_healthy_rig_is_not_refused(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(2, 4))
 @pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
 def test_every_planted_defect_is_found_however_it_is_drawn(tmp_path, plant, seed):
@@ -73,6 +74,7 @@ def test_no_healthy_rig_of_a_thousand_is_refused(tmp_path, hundred):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", [0, 10, 31])  # 10 and 31 do not move from a base of 200 kPa
 def test_a_healthy_joint_passes_every_step(tmp_path, seed):
     stopped, record, _ = perform(tmp_path, unit("joint", seed), seed=seed)

@@ -57,6 +57,7 @@ def test_a_regulator_of_less_than_half_the_bandwidth_is_refused(tmp_path, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(40))
 def test_drawn_healthy_rigs_move_for_the_first_time(tmp_path, seed):
     assert first_motion(tmp_path, drawn_pair(seed)) is None
@@ -82,6 +83,7 @@ def test_a_drawn_rig_on_regulators_as_sold_passes_every_step(tmp_path, rig):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(5, 12))
 @pytest.mark.parametrize("rig", SOLD)
 def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
@@ -90,6 +92,7 @@ def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
 def test_a_defect_is_found_on_regulators_as_sold(tmp_path, plant):
     find(tmp_path, "cylinder", plant, 1)
@@ -125,6 +128,7 @@ def test_a_valve_that_another_loop_turns_is_shut_in_time(tmp_path, plant):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", [3, 4])
 @pytest.mark.parametrize("plant", ON_VALVES, ids=lambda its: its.__name__)
 def test_a_defect_is_found_on_valves(tmp_path, plant, seed):
@@ -149,6 +153,7 @@ def spool_goes(factor, channel):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_spool_whose_signal_is_scaled_lets_in_less_than_20_kpa(tmp_path, seed):
     chance = random.Random(f"spool {seed}")

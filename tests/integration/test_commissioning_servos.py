@@ -64,13 +64,15 @@ def test_a_planted_defect_is_found_before_a_joint_turns_by_a_degree(tmp_path, pa
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, pytest.param(3, marks=pytest.mark.lengthy)])
+@pytest.mark.sampled(12)
+@pytest.mark.parametrize("seed", [2, 3])
 @pytest.mark.parametrize("pair", PAIRS, ids=named)
 def test_every_planted_defect_is_found_however_it_is_drawn(tmp_path, pair, seed):
     find(tmp_path, *pair, seed)
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_healthy_rig_passes_every_step(tmp_path, rig):
     stopped, record, _ = perform(tmp_path, rig)

@@ -30,6 +30,7 @@ def test_a_law_plans_nothing_in_the_loop(experiment):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("experiment", [e for e in EXPERIMENTS if e not in SAMPLE])
 def test_no_law_of_what_ships_plans_anything_in_the_loop(experiment):
     check(experiment)

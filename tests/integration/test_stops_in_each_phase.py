@@ -190,6 +190,7 @@ def test_a_stop_is_heard_in_each_phase(tmp_path, strays, rig, phase, share, ask,
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(
     ("rig", "phase", "share", "ask", "how"), draw(60, list(EXPERIMENTS), PHASES)
 )

@@ -84,6 +84,7 @@ def numbers_in(value):
     return sum(map(numbers_in, value)) if isinstance(value, tuple) else 0
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("law", LAWS)
 def test_one_bit_of_one_command_is_seen_in_its_cycle_and_column(law, unpacked, monkeypatch):
     run, chance = unpacked(LAWS[law]), random.Random(law)
@@ -107,6 +108,7 @@ def test_one_bit_of_one_command_is_seen_in_its_cycle_and_column(law, unpacked, m
     assert difference.now == math.nextafter(difference.logged, math.inf)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("law", LAWS)
 def test_the_last_bit_of_a_laws_numbers_is_seen(law, unpacked):
     run = unpacked(LAWS[law])

@@ -92,6 +92,7 @@ def drawn_ranges(seed):
     return low, high
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in range(1, 20))]
 )

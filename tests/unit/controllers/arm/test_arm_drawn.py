@@ -53,6 +53,7 @@ def test_a_few_drawn_paths(law):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1, each="law")
 @each_law
 @pytest.mark.parametrize("block", range(10))
 def test_a_thousand_drawn_paths(law, block):

@@ -95,6 +95,7 @@ def test_a_few_drawn_twists(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("block", range(6))
 @pytest.mark.parametrize(
     "name",

@@ -187,6 +187,7 @@ def test_a_few_drawn_gaits():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("block", range(10))
 def test_five_hundred_drawn_gaits(block):
     planned, _, wrong = judge(range(1000 + 50 * block, 1050 + 50 * block))
