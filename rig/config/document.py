@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -159,12 +160,27 @@ def _whole_name(name: str, beside: Path | None) -> str:
 
 def parse_mapping(source: Source, problems: Problems) -> Node:
     """Parse a text whose root must be a mapping."""
-    root = parse(source, problems)
+    root = _sound(source.name, source.text) or parse(source, problems)
     if not isinstance(root.value, dict):
         if root.value is not BROKEN:
             problems.add(root.mark, f"the file holds {shown(root.plain())}, expected a mapping")
         raise problems.error()
     return root
+
+
+@lru_cache(maxsize=64)
+def _sound(name: str, text: str) -> Node | None:
+    """Return what a text holds, None if there is anything to say of it.
+
+    A sweep reads the same files for each of its points, a command some of them twice: what they
+    hold is laid over other nodes and never changed.
+    """
+    problems = Problems()
+    try:
+        root = parse(Source(name, text), problems)
+    except ProfileError:
+        return None
+    return None if problems else root
 
 
 def merge(base: Node, over: Node) -> Node:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from types import NoneType
 from typing import get_args
@@ -9,7 +10,7 @@ from typing import get_args
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.located import Node
 from rig.config.names import is_path
-from rig.config.type_hints import hint_at, is_union, split_annotated
+from rig.config.type_hints import hint_at, hints, is_union, split_annotated
 from rig.hal.files import is_file, is_folder
 
 Keys = tuple[str, ...]
@@ -41,6 +42,9 @@ def with_files_beside(settings: object, node: Node, problems: Problems) -> Node:
     problems : Problems
         Takes empty names.
     """
+    bare, _ = split_annotated(settings)
+    if isinstance(bare, type) and is_dataclass(bare) and not _name_files(bare):
+        return node
     if isinstance(node.value, dict):
         return node.with_items(
             {key: _below(settings, key, item, problems) for key, item in node.value.items()}
@@ -58,6 +62,19 @@ def with_files_beside(settings: object, node: Node, problems: Problems) -> Node:
     if node.value.isdecimal():
         return node
     return replace(node, value=str((beside(node) / node.value).absolute()))
+
+
+@lru_cache(maxsize=256)
+def _name_files(settings: type) -> bool:
+    """Return whether any key of a settings dataclass, however deep, names a file."""
+
+    def anywhere(hint: object) -> bool:
+        bare, _ = split_annotated(hint)
+        if isinstance(bare, type) and is_dataclass(bare):
+            return _name_files(bare)
+        return bare is Path or any(map(anywhere, get_args(bare)))
+
+    return any(map(anywhere, hints(settings).values()))
 
 
 def _below(settings: object, key: str | int, node: Node, problems: Problems) -> Node:

@@ -208,6 +208,7 @@ def _named(name: str) -> Unit:
     raise UnitError(f"{name!r} is not a unit")
 
 
+@lru_cache(maxsize=256)
 def usual_units(unit: str) -> tuple[str, ...]:
     """Return the units that would do for a field of an SI unit, that one first."""
     dimension = parse_unit(unit).dimension
@@ -215,6 +216,7 @@ def usual_units(unit: str) -> tuple[str, ...]:
     return (unit or "1", *(other for other in others if (unit, other) != ("", "1")))
 
 
+@lru_cache(maxsize=4096)  # exact arithmetic is slow, and a sweep reads a profile for each point
 def parse_quantity(text: str, unit: str) -> float:
     """Convert a text to the SI number of a field.
 
