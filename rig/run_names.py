@@ -4,7 +4,7 @@ import difflib
 from pathlib import Path
 
 from rig.hal.errors import ConfigurationError
-from rig.hal.files import is_folder
+from rig.hal.files import is_folder, reason_unread
 
 RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
@@ -23,13 +23,21 @@ def list_runs(out: Path) -> list[Path]:
         The folder is there and cannot be read.
     """
     try:
-        found = [path for path in out.iterdir() if (path / MANIFEST).is_file()]
+        found = [path for path in out.iterdir() if _is_run(path)]
     except FileNotFoundError:
         return []
     except OSError as error:
-        raise ConfigurationError(f"cannot list {out}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot list {out}: {reason_unread(out, error)}") from error
     # The name starts with the UTC time; of one second, the longer suffix is the later run.
     return sorted(found, key=_age_key, reverse=True)
+
+
+def _is_run(path: Path) -> bool:
+    """Return whether a folder is a run; one that may not be looked into goes by its name."""
+    try:
+        return (path / MANIFEST).is_file()
+    except PermissionError:
+        return "Z-" in path.name
 
 
 def _age_key(path: Path) -> tuple[str, float]:

@@ -1,6 +1,5 @@
 """Calibration files: writing with history, comparing, refusing a worse fit."""
 
-import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
@@ -19,6 +18,8 @@ from rig.config.ownership import owner_label
 from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
+from rig.hal.files import check_writable as check_folder
+from rig.hal.files import reason_unwritten
 from rig.typed_json import checked
 from rig.whole_file import write_whole
 
@@ -245,7 +246,7 @@ def write(
         for place in (kept, path):  # the copy first: the old file is in force until all is kept
             _put(place, text)
     except OSError as error:
-        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
     return path
 
 
@@ -259,12 +260,7 @@ def check_writable(configs: Path, rig: str) -> None:
     """
     folder = configs / "calibration" / rig
     for place in (folder / HISTORY, folder):
-        there = next(path for path in (place, *place.parents) if path.exists())
-        if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-            raise ConfigurationError(
-                f"calibrations of {rig} cannot be kept in {folder}: {there} cannot be written to; "
-                "nothing has moved"
-            )
+        check_folder(place, f"calibrations of {rig}")
 
 
 def load(path: Path) -> Content:
@@ -343,7 +339,7 @@ def restore(
     try:
         _put(path, text)
     except OSError as error:
-        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
     return path
 
 

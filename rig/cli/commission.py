@@ -62,13 +62,14 @@ def commission(rig: str, **options: Any) -> int:
     and say the same again. Simulated hands do in a simulation what a person does at a rig.
     """
     from rig.assembly import REGISTRY, Backend, backend_of, build_rig, check_profile
-    from rig.commissioning.record import read_answers
+    from rig.commissioning.record import FOLDER, read_answers
     from rig.commissioning.session import CommissioningFacts, begin, steps_of
     from rig.commissioning.session import commission as commission_rig
     from rig.commissioning.site import Site
     from rig.config import load_profile
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
+    from rig.hal.files import check_writable
 
     search = find_configs(options["configs"])
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
@@ -83,6 +84,11 @@ def commission(rig: str, **options: Any) -> int:
         raise ConfigurationError("--on sim has no buses and no drivers, so nothing to test")
     if backend is Backend.HARDWARE and not confirm(profile.name, options["yes"]):
         return 2
+    for folder, what in (
+        (search[0] / FOLDER, f"the record of {profile.name}"),
+        (options["out"], "run folders"),
+    ):
+        check_writable(folder, what)
     other = None if on in list(Backend) else on
     hands = _hands(profile, backend, other)
     site = Site(

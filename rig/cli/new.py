@@ -67,6 +67,7 @@ def new(
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
+    from rig.hal.files import reason_unwritten
     from rig.scaffolding.files import experiment_text, profile_text
     from rig.scaffolding.known_names import refuse_known_file, refuse_known_part
     from rig.scaffolding.names import refuse_taken, spell
@@ -122,7 +123,9 @@ def new(
         try:
             file.write_text(text, encoding="utf-8")
         except OSError as error:
-            raise ConfigurationError(f"cannot write {file}: {error.strerror or error}") from error
+            raise ConfigurationError(
+                f"cannot write {file}: {reason_unwritten(file, error)}"
+            ) from error
     if as_json:
         print_json(
             {"kind": kind, "name": name, "written": written, "notes": notes, "next": following}

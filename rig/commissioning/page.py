@@ -6,6 +6,7 @@ from pathlib import Path
 from rig.commissioning.record import FOLDER, Content
 from rig.commissioning.step import AcceptanceStep
 from rig.hal import ConfigurationError
+from rig.hal.files import reason_unwritten
 from rig.report.markup import Html, element, join, page, section, table
 from rig.whole_file import write_whole
 
@@ -37,7 +38,7 @@ def write_page(configs: Path, record: Content, steps: Sequence[AcceptanceStep]) 
     try:
         write_whole(path, text)
     except OSError as error:
-        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
     return path
 
 

@@ -18,6 +18,7 @@ from rig.config.ownership import is_owner, owner_label
 from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_plain, read_source
 from rig.hal import ConfigurationError
+from rig.hal.files import reason_unwritten
 from rig.typed_json import checked
 from rig.whole_file import write_whole
 
@@ -184,7 +185,7 @@ def write_record(configs: Path, content: Content) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, seal("# Written by rig commission; the last line seals it.\n" + body))
     except OSError as error:
-        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
     return path
 
 

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 from rig.config.diagnostics import nearest
 from rig.hal import ConfigurationError
-from rig.hal.files import is_file, is_folder
+from rig.hal.files import is_file, is_folder, reason_unread
 
 Folder = Literal["rigs", "experiments"]
 
@@ -50,13 +50,23 @@ def find_configs(given: Path | None = None) -> tuple[Path, ...]:
 
 
 def list_files(folder: Folder, search: Sequence[Path]) -> dict[str, Path]:
-    """Return the files of a kind by name, sorted; an earlier folder hides a later one."""
+    """Return the files of a kind by name, sorted; an earlier folder hides a later one.
+
+    Raises
+    ------
+    ConfigurationError
+        A folder of them is there and cannot be read.
+    """
     found: dict[str, Path] = {}
     for configs in search:
         directory = configs / folder
-        if not directory.is_dir():
-            continue
-        for path in sorted(directory.iterdir()):
+        try:
+            paths = sorted(directory.iterdir()) if directory.is_dir() else []
+        except OSError as error:
+            raise ConfigurationError(
+                f"cannot read {directory}: {reason_unread(directory, error)}"
+            ) from error
+        for path in paths:
             if path.suffix in SUFFIXES and not path.name.startswith("."):
                 found.setdefault(path.stem, path)
     return dict(sorted(found.items()))

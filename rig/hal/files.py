@@ -2,6 +2,7 @@
 
 import os
 import pwd
+import shlex
 import stat
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -30,9 +31,62 @@ def open_regular(path: Path) -> BinaryIO:
         what = "a directory" if path.is_dir() else "not a regular file"
         raise ConfigurationError(f"cannot read {path}: it is {what}")
     except OSError as error:
-        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
+        raise ConfigurationError(f"cannot read {path}: {reason_unread(path, error)}") from error
     except ValueError as error:  # a NUL in the name
         raise ConfigurationError(f"cannot read {str(path)!r}: {error}") from error
+
+
+def reason_unread(path: Path, error: OSError) -> str:
+    """Return why a file or folder cannot be read; without permission, also what gives it."""
+    reason = error.strerror or str(error)
+    if not isinstance(error, PermissionError):
+        return reason
+    places = (*reversed(path.absolute().parents), path)
+    closed = next((p for p in places if not _is_open(p)), path)
+    return f"{reason}; give it: sudo chmod a+rX {shlex.quote(str(closed))}"
+
+
+def _is_open(place: Path) -> bool:
+    """Return whether a file may be read, or a folder be entered."""
+    return os.access(place, os.X_OK if is_folder(place) else os.R_OK)
+
+
+def reason_unwritten(path: Path, error: OSError) -> str:
+    """Return why a file cannot be written; without permission, also what gives it."""
+    reason = error.strerror or str(error)
+    if not isinstance(error, PermissionError):
+        return reason
+    there = path.absolute()
+    while not os.access(there, os.F_OK):
+        there = there.parent
+    if is_file(there) and not os.access(there.parent, os.W_OK):
+        there = there.parent  # what is written whole replaces the file: the folder decides
+    return f"{reason}; take it: sudo chown $USER {shlex.quote(str(there))}"
+
+
+def check_writable(folder: Path, what: str) -> None:
+    """Find out whether files can be written below a folder, before anything moves for them.
+
+    Parameters
+    ----------
+    folder : Path
+        It need not be there yet.
+    what : str
+        Files, in the message: ``"calibrations of cylinder"``.
+
+    Raises
+    ------
+    ConfigurationError
+        They could not be written.
+    """
+    there = folder.absolute()
+    while not os.access(there, os.F_OK):
+        there = there.parent
+    if not is_folder(there) or not os.access(there, os.W_OK | os.X_OK):
+        raise ConfigurationError(
+            f"{what} cannot be kept in {folder}: {there} cannot be written to; take it: sudo chown "
+            f"$USER {shlex.quote(str(there))}; nothing has moved"
+        )
 
 
 def is_file(path: Path) -> bool:

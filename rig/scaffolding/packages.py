@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from rig.hal import ConfigurationError
+from rig.hal.files import reason_unwritten
 from rig.scaffolding.names import Spelling, spell
 
 PackageKind = Literal["controller", "driver", "mechanism"]
@@ -218,7 +219,9 @@ def write_files(folder: Path, made: dict[Path, str]) -> None:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise ConfigurationError(f"cannot write {folder}: {error.strerror or error}") from error
+        raise ConfigurationError(
+            f"cannot write {folder}: {reason_unwritten(folder, error)}"
+        ) from error
 
 
 def _project(kind: PackageKind, spelling: Spelling) -> str:

@@ -19,7 +19,7 @@ from rig.config.names import find_file, is_path
 from rig.config.setting import Setting
 from rig.experiment.plan import admit_options, split_overrides
 from rig.hal import ConfigurationError
-from rig.hal.files import is_file
+from rig.hal.files import is_file, open_regular
 
 _LARGEST = 1 << 20
 """No configuration is larger, bytes."""
@@ -127,7 +127,9 @@ def freeze_configs(experiment: str, given: Path | None, into: Path) -> str:
     try:
         shutil.rmtree(into, ignore_errors=True)
         for folder in reversed(search):  # an earlier folder hides a later one
-            shutil.copytree(folder, into, ignore=_too_large, dirs_exist_ok=True)
+            shutil.copytree(
+                folder, into, ignore=_too_large, copy_function=_copy, dirs_exist_ok=True
+            )
         if is_path(experiment):
             beside = into / "experiments"
             beside.mkdir(parents=True, exist_ok=True)
@@ -156,6 +158,11 @@ def _texts(value: Plain) -> Iterator[str]:
     elif isinstance(value, dict | list):
         for item in value.values() if isinstance(value, dict) else value:
             yield from _texts(item)
+
+
+def _copy(source: str, target: str) -> None:
+    open_regular(Path(source)).close()  # the copy's own error is that of all files, in one heap
+    shutil.copy2(source, target)
 
 
 def _too_large(folder: str, names: list[str]) -> list[str]:
