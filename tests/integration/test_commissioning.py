@@ -73,15 +73,6 @@ def test_no_healthy_rig_of_a_thousand_is_refused(tmp_path, hundred):
         assert stopped is None, f"seed {seed}: {stopped}"
 
 
-@pytest.mark.slow
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("seed", [0, 10, 31])  # 10 and 31 do not move from a base of 200 kPa
-def test_a_healthy_joint_passes_every_step(tmp_path, seed):
-    stopped, record, _ = perform(tmp_path, unit("joint", seed), seed=seed)
-    assert stopped is None
-    assert len(record["digest"]) == 8
-
-
 def test_what_has_passed_is_not_done_again(tmp_path):
     profile = unit("cylinder", 1)
     stopped, _, _ = perform(tmp_path, profile, no_dump_valve)

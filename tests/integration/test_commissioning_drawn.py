@@ -75,20 +75,29 @@ SOLD = ("cylinder", "cylinder-valves", "joint", "joint-valves")
 """On regulators as they are sold and mounted, and on valves."""
 
 
-@pytest.mark.parametrize("rig", SOLD)
-def test_a_drawn_rig_on_regulators_as_sold_passes_every_step(tmp_path, rig):
-    stopped, record, _ = perform(tmp_path, unit(rig, 4), seed=4)
+def pass_every_step(tmp_path, rig, seed):
+    stopped, record, _ = perform(tmp_path, unit(rig, seed), seed=seed)
     assert stopped is None
     assert len(record["digest"]) == 8
 
 
+@pytest.mark.parametrize("rig", [rig for rig in SOLD if rig.startswith("cylinder")])
+def test_a_drawn_rig_on_regulators_as_sold_passes_every_step(tmp_path, rig):
+    pass_every_step(tmp_path, rig, 4)
+
+
+SEEDS = {
+    "cylinder": range(5, 12), "cylinder-valves": range(5, 12),
+    "joint": (0, *range(4, 12), 31),  # 10 and 31 do not move from a base of 200 kPa
+    "joint-valves": range(4, 12),
+}  # fmt: skip
+
+
 @pytest.mark.slow
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize("seed", range(5, 12))
-@pytest.mark.parametrize("rig", SOLD)
+@pytest.mark.sampled(1, each="rig")
+@pytest.mark.parametrize(("rig", "seed"), [(rig, seed) for rig in SOLD for seed in SEEDS[rig]])
 def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
-    stopped, _, _ = perform(tmp_path, unit(rig, seed), seed=seed)
-    assert stopped is None
+    pass_every_step(tmp_path, rig, seed)
 
 
 @pytest.mark.slow
