@@ -115,7 +115,9 @@ def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> 
     from multiprocessing import get_context
 
     with _deaf():  # what is begun here hears nothing of the terminal either
-        context = get_context("spawn")
+        # A copy of this process has imported and compiled all that a run needs; a thread that is
+        # copied in the middle of something would never come to its end.
+        context = get_context("fork" if threading.active_count() == 1 else "spawn")
         master = _Master(context.SimpleQueue(), context.Event())
         pool = ProcessPoolExecutor(
             workers, mp_context=context, initializer=_leave_terminal, initargs=(master,)
@@ -142,6 +144,9 @@ def _leave_terminal(master: _Master) -> None:
     from multiprocessing import parent_process
 
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a copy has its master's
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPTS)
     _master.append(master)
     parent = parent_process()
