@@ -1,12 +1,17 @@
 """Serial ports, as the bus uses them: bytes out and in, never waiting."""
 
 import contextlib
+import errno
 import os
-from typing import Protocol
+from pathlib import Path
+from typing import Final, Protocol
 
 from drivers.dynamixel.settings import SerialBusSettings
 from drivers.terminal import check_terminal
 from rig.hal import ConnectionFailed
+from rig.hal.device_files import device_trouble
+
+_IN_USE: Final = (errno.EAGAIN, errno.EBUSY)
 
 
 class SerialPort(Protocol):
@@ -99,7 +104,16 @@ def open_port(settings: SerialBusSettings) -> SerialPort:
     except (OSError, ValueError, OverflowError) as error:
         raise ConnectionFailed(
             settings.port,
-            f"the serial port cannot be opened: {error}; is the adapter plugged in, free and "
-            "permitted (group dialout)?",
+            f"the serial port cannot be opened: {_trouble(settings.port, error)}",
             value=f"{settings.baudrate} bit/s",
         ) from error
+
+
+def _trouble(port: str, error: Exception) -> str:
+    """Return why a port cannot be opened, and what mends that."""
+    number = error.errno if isinstance(error, OSError) else None
+    if number is None:
+        return str(error)
+    if number in _IN_USE:
+        return f"another program has it open; which one says: fuser -v {port}"
+    return device_trouble(Path(port)) or str(error)

@@ -9,6 +9,7 @@ import cv2
 from drivers.marker_camera.image_source import CameraImage, SourceFailure, to_grey
 from drivers.marker_camera.settings import MarkerCameraSettings
 from rig.hal import Clock
+from rig.hal.device_files import device_trouble
 
 _MANUAL: Final = 1.0
 """V4L2_EXPOSURE_MANUAL of the control V4L2_CID_EXPOSURE_AUTO."""
@@ -75,7 +76,9 @@ class UvcSource:
         capture = self._open_capture(self._path)
         self._capture = capture
         if not capture.isOpened():
-            raise SourceFailure("there is no camera at its path", object=self._path)
+            trouble = device_trouble(Path(self._path))
+            why = f": {trouble}" if trouble else ""
+            raise SourceFailure(f"there is no camera at its path{why}", object=self._path)
         wanted = settings.source.pixel_format
         capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*wanted[:4]))
         if wanted in ("GREY", "YUYV"):

@@ -23,7 +23,8 @@ def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
     from rig.assembly.survey import survey_buses
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
-    answers = survey_buses(profile, interfaces)
+    # A CAN interface takes the place of CAN buses alone; on hardware, serial lines are asked, too.
+    answers = survey_buses(profile, interfaces, tuple(profile.buses) if on == "hardware" else None)
     if as_json:
         print_json({"buses": [_as_data(answer) for answer in answers]})
     else:

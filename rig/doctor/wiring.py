@@ -1,7 +1,5 @@
 """What a rig is wired to on this computer: CAN interfaces, serial ports, cameras."""
 
-import grp
-import os
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +7,7 @@ from pathlib import Path
 from rig.config import Profile
 from rig.doctor.look import Fitness, Look
 from rig.hal import ConnectionFailed, Endpoint
+from rig.hal.device_files import may_open, permitting
 
 
 def look_at_wiring(profile: Profile) -> Iterator[Look]:
@@ -47,12 +46,6 @@ def look_at_device_file(what: str, name: str) -> Look:
         return Look(what, "is not there", Fitness.NO, mend)
     if not stat.S_ISCHR(path.stat().st_mode):
         return Look(what, "is no device", Fitness.NO, "correct the profile")
-    if os.access(path, os.R_OK | os.W_OK):
+    if may_open(path):
         return Look(what, "can be opened", Fitness.OK)
-    number = path.stat().st_gid
-    try:
-        group = grp.getgrgid(number).gr_name
-    except KeyError:
-        group = str(number)
-    mend = f"sudo usermod -aG {group} $USER (and log in anew)"
-    return Look(what, "may not be opened", Fitness.NO, mend)
+    return Look(what, "may not be opened", Fitness.NO, permitting(path))

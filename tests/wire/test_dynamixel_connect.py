@@ -1,6 +1,8 @@
 """The Dynamixel driver before it moves: settings, and a chain that is connected and armed."""
 
 import math
+import os
+import pty
 
 import pytest
 from dynamixel_bench import STEP, Bench, joints
@@ -190,8 +192,23 @@ def test_a_port_that_is_not_there_is_named():
     from drivers.dynamixel.port import open_port
 
     settings = SerialBusSettings("/dev/no-such-adapter")
-    with pytest.raises(ConnectionFailed, match="/dev/no-such-adapter: the serial port cannot"):
+    with pytest.raises(ConnectionFailed, match=r"cannot be opened: it is not there; plug it in"):
         open_port(settings)
+
+
+def test_a_port_that_somebody_else_has_open_says_how_to_find_out_who():
+    from drivers.dynamixel.port import open_port
+
+    ours, theirs = pty.openpty()
+    name = os.ttyname(theirs)
+    first = open_port(SerialBusSettings(name))
+    with pytest.raises(
+        ConnectionFailed, match=f"another program has it open; which one says: fuser -v {name}"
+    ):
+        open_port(SerialBusSettings(name))
+    first.close()
+    os.close(ours)
+    os.close(theirs)
 
 
 def test_arming_outside_the_range_is_refused():

@@ -3,6 +3,7 @@
 import select
 import threading
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from annotated_types import Gt, Interval, Unit
@@ -11,6 +12,7 @@ from controllers.arm.on_direction.numbers import Six
 from controllers.arm.online.commands import ArmTwists, Row
 from controllers.arm.types import AT_REST
 from controllers.motion import InfeasibleMotion
+from rig.hal.device_files import device_trouble, may_open, permitting
 
 if TYPE_CHECKING:
     from evdev import InputDevice
@@ -159,6 +161,7 @@ def _open(path: str) -> "InputDevice[str]":
             "arm-gamepad reads the gamepad by evdev, which is not installed: "
             "pip install 'rig-controller[gamepad]'."
         ) from error
+    found = path
     try:
         for found in [path] if path else evdev.list_devices():
             device = evdev.InputDevice(found)
@@ -166,15 +169,15 @@ def _open(path: str) -> "InputDevice[str]":
                 return device
             device.close()
     except OSError as error:
-        raise InfeasibleMotion(f"the gamepad {path} cannot be read: {error}.") from error
+        why = device_trouble(Path(found)) or str(error)
+        raise InfeasibleMotion(f"the gamepad {found} cannot be read: {why}.") from error
     if path:
         raise InfeasibleMotion(
             f"{path} is no gamepad: it lacks two sticks, a cross or the left shoulder button."
         )
-    raise InfeasibleMotion(
-        "there is no gamepad among /dev/input/event*: plug one in, or see that you may read it "
-        "(group input)."
-    )
+    closed = [file for file in sorted(Path("/dev/input").glob("event*")) if not may_open(file)]
+    why = f", and {closed[0]} may not be read: {permitting(closed[0])}" if closed else ""
+    raise InfeasibleMotion(f"there is no gamepad among /dev/input/event*: plug one in{why}.")
 
 
 def _is_gamepad(device: "InputDevice[str]") -> bool:

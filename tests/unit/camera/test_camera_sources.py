@@ -329,7 +329,7 @@ def test_absent_uvc_camera_is_named():
 def test_there_is_no_camera_on_this_path():
     settings = replace(UVC, source=SourceSettings(path="/dev/video-of-nobody"))
     source = UvcSource(settings, StandingClock())
-    with pytest.raises(SourceFailure, match="no camera at its path"):
+    with pytest.raises(SourceFailure, match="at its path: it is not there; plug it in"):
         source.open()
     source.close()
 
