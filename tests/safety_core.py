@@ -80,6 +80,7 @@ SAFETY_CORE = {
     "rig/mechanisms/servo/axes.py": (
         "mechanisms/test_servo_axis_checks.py",
         "mechanisms/test_servo_axis_commands.py",
+        "mechanisms/test_servo_slip.py",
         "mechanisms/test_controller_commands.py",
     ),
     "rig/mechanisms/servo/asked.py": ("mechanisms/test_controller_commands.py",),

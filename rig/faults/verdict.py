@@ -1,7 +1,7 @@
 """What came of a case, and whether that is what had to come of it."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import inf
 
@@ -14,6 +14,8 @@ OK, MISSED, REFUSED, FAULTED, OURS, INTERRUPTED = 0, 1, 3, 4, 70, 130
 """Exit codes of a run."""
 _CONTROLLED = (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
 """Phases in which what breaks must be seen; a procedure widens what rests on what it looks for."""
+_FELT = (0.0, 0.0)
+"""Of a case that has not been performed: each of its faults will be felt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +131,7 @@ class Verdict:
 
 def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     """Compare what came of a case with what had to."""
-    must, wanted = what_must_come(case, subject), how_soon(case, ending, subject)
+    must, wanted = what_must_come(case, subject, ending.felt_at), how_soon(case, ending, subject)
     tripped = ending.code in (REFUSED, FAULTED, OURS)
     seen = tripped or ending.code is None
     happened = ending.broke_at is not None
@@ -158,13 +160,19 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     )
 
 
-def what_must_come(case: Case, subject: Subject) -> Must:
-    """Return what must come of a case's first fault in its phase; a second one excuses none."""
+def what_must_come(case: Case, subject: Subject, felt_at: Sequence[float | None] = ()) -> Must:
+    """Return what must come of a case's first fault in its phase; a second one excuses none.
+
+    A law that was spoilt and that nobody followed any more (drives brake by themselves) need not
+    be seen: its fault was felt at None.
+    """
     # Drives that are being enabled are told where they stand, again and again.
     rests = case.moment is Moment.ENERGISE and not subject.has_pressure
     musts = [
-        Must.EITHER if rests and item.row.in_setpoints else item.row.must(item.sizes, subject)
-        for item in case.breaks
+        Must.EITHER
+        if (rests and item.row.in_setpoints) or (item.row.spoils_law and felt is None)
+        else item.row.must(item.sizes, subject)
+        for item, felt in zip(case.breaks, (*felt_at, *_FELT), strict=False)
     ]
     if case.moment is Moment.CONNECT and case.first.kind != "nothing":
         return Must.EITHER  # it may be refused, or be past before anybody looks

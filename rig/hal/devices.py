@@ -360,6 +360,11 @@ class ServoBus(Device, Protocol):
 
     axis_names: tuple[str, ...]
 
+    @property
+    def is_enabled(self) -> bool:
+        """Whether every joint follows setpoints; until then nothing but its brake holds it."""
+        return True
+
     @abstractmethod
     def positions(self) -> Reading[Vector]:
         """Return the joint positions, rad, shape (n,)."""

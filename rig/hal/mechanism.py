@@ -352,6 +352,13 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     def start_limiting(self, state: State) -> None:
         """Make the measured state the one that the rate limit starts from."""
 
+    def has_slipped(self, state: State) -> bool:
+        """Return whether something gave way while nothing but brakes or friction held it.
+
+        Asked in each cycle in which the rig is energised, after `check`.
+        """
+        return False
+
     def check_command(self, reference: Reference, command: Command) -> None:
         """Raise `SafetyError` if the controller asks for what it never may.
 

@@ -136,6 +136,10 @@ class Phases(Generic[State, Reference, Command]):
         if self.phase is _STOP:
             return self._stop(t, state)
         if t < energise:
+            if mechanism.has_slipped(state):  # it is held where it is, and not pulled back
+                mechanism.start_limiting(state)
+                self._home = mechanism.reference_of(state)
+                self._resting = mechanism.energised_command(state)
             mechanism.check_still(self._home)
             share = t / energise
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)

@@ -125,6 +125,18 @@ def test_what_does_not_answer_is_not_known_to_be_safe(tmp_path, monkeypatch, bac
 
 
 @pytest.mark.parametrize("name", ["cylinder", "joint"])
+def test_a_broken_wire_is_why_nothing_is_known_of_the_chambers(tmp_path, monkeypatch, name):
+    channel = DRAWN.randrange(len(CHANNELS[name]))
+    broken = (DRAWN.uniform(-3.0, 0.3), "regulators", "wire_break", channel)
+    result, unsafe, _ = run(tmp_path, monkeypatch, name, Backend.VIRTUAL, broken)
+    assert result.exit_code == 4
+    (event,) = unsafe
+    where = CHANNELS[name][channel]
+    assert "regulators: not known to be safe, its last reading is" in event["message"]
+    assert f"the pressure monitor of {where} has a broken wire" in event["message"]
+
+
+@pytest.mark.parametrize("name", ["cylinder", "joint"])
 def test_a_module_that_stopped_itself_is_asked_for_what_its_chambers_hold(
     tmp_path, monkeypatch, name
 ):

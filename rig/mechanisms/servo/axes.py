@@ -125,6 +125,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._speeds: Vector = self._still
         self._asked = AskedPositions(joints.names, joints.rates, limits.following, period)
         self._stop: Command | None = None
+        self._are_held = False
         self._braking = False
         self._limited = False
         self._age: float
@@ -246,6 +247,21 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._braking = False
         self._stop = None
         self._asked.restart(state.positions)
+
+    def has_slipped(self, state: State) -> bool:
+        """Return whether a brake gave way until the drives held, farther than a cycle may lead.
+
+        Drives begin with the position that they measure; no setpoint may be far from it.
+        """
+        were_held, self._are_held = self._are_held, all(servo.is_enabled for servo in self._servos)
+        if were_held or self._applied is None:
+            return False
+        return any(
+            abs(position - sent) > rate * self._period
+            for position, sent, rate in zip(
+                state.positions, self._applied, self.joints.rates, strict=True
+            )
+        )
 
     def check_command(self, reference: Reference, command: Command) -> None:
         """See `AskedPositions.check`."""

@@ -13,7 +13,7 @@ from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Place, Plight, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
-from rig.faults.verdict import FAULTED, OURS, CaseEnding, give_verdict
+from rig.faults.verdict import FAULTED, INTERRUPTED, OURS, CaseEnding, give_verdict
 from rig.hal import ConfigurationError
 from rig.hal.world import Frames
 
@@ -378,3 +378,15 @@ def test_what_goes_wrong_is_kept_under_the_rigs_name_wherever_its_profile_is():
     (case,) = draw_once(replace(SUBJECT, rig="/lab/rigs/mine.yaml"), ("silent",), 3, 1)
     assert case.folder == "mine-3-silent"
     assert draw_once(SUBJECT, ("silent",), 3, 1)[0].folder == "cylinder-3-silent"
+
+
+def test_a_law_that_is_spoilt_when_nobody_follows_it_any_more_need_not_be_seen():
+    """Drives brake by themselves after Ctrl-C; what the law says then goes nowhere."""
+    cases = [case for case in RUNNING if case.then.row.spoils_law]
+    assert {"controller_nan", "controller_huge"} <= {case.then.kind for case in cases}
+    for case in cases:
+        alone, then = case.first.row.must(case.first.sizes, SUBJECT), case.then
+        both = {alone, then.row.must(then.sizes, SUBJECT)}
+        for felt_at, musts in (((1.0, None), {alone}), ((1.0, 1.5), both)):
+            ending = CaseEnding(INTERRUPTED, "", 1.0, None, felt_at=felt_at)
+            assert give_verdict(case, ending, SUBJECT).unseen is (Must.SAFE in musts)

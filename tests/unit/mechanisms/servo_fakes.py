@@ -39,6 +39,8 @@ class Command(NamedTuple):
 class FakeServo(Idle, ServoBus):
     """Drives that stand where a test says."""
 
+    is_enabled = False
+
     def __init__(self, name, axis_names):
         self.name = name
         self.axis_names = tuple(axis_names)

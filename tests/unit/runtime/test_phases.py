@@ -244,3 +244,19 @@ def test_a_motion_that_watches_sees_nothing_once_a_stop_was_asked_for():
     run._motion, run._watches = motion, True
     run.go(14, stop=10)
     assert [t for t, _, _ in motion.seen] == [0.0, 1.0]
+
+
+def test_what_slips_while_it_is_energised_is_held_where_it_is_and_not_pulled_back():
+    run = Run(has_slipped=lambda self, state: state == 2.0)
+    gone = run.go(6)
+    assert gone[:2] == [(0.0, 0.0), (0.0, 25.0)]
+    # From there on the way begins where it slipped to, with what energises there.
+    assert gone[2:4] == [(2.0, 100.0), (2.0, 100.0)]
+    assert run.mechanism.started == [0.0, 2.0]
+    assert gone[4:] == [(4.0 + 31.0 * k,) * 2 for k in range(2)]
+
+
+def test_nothing_is_asked_whether_it_slipped_once_it_is_controlled():
+    asked = []
+    Run(has_slipped=lambda self, state: asked.append(state)).go(20, stop=12)
+    assert asked == [0.0, 1.0, 2.0, 3.0]
