@@ -234,13 +234,28 @@ def test_what_had_begun_to_swing_is_why_a_limit_was_exceeded():
     for k, error in enumerate([0.0, 1.5, -1.5, 0.0]):
         assert watched.suspicion(float(k)) is None
         watched.check((0.0, 0.0), (0.0, error), float(k))
-    assert "ch2 oscillates at 0.5 Hz, 3e+03 mm peak to peak" in watched.suspicion(3.0)
-    assert watched.suspicion(11.0) is not None
-    assert watched.suspicion(11.5) is None, "that was long ago"
+    said = watched.suspicion(3.0)
+    assert "ch2 oscillates at 0.5 Hz, 3e+03 mm peak to peak" in said
+    assert said.endswith("; unless it was pushed")
+    watched.check((0.0, 0.0), (0.0, 1.5), 3.5)
+    watched.check((0.0, 0.0), (0.0, 0.0), 4.0)
+    for k, error in enumerate([-1.5, 0.0, 1.5, 0.0]):  # now it takes half a second to turn round
+        watched.check((0.0, 0.0), (0.0, error), 4.25 + 0.25 * k)
+    assert watched.suspicion(5.75) is not None
+    assert watched.suspicion(5.78125) is None, "it would have turned round by now"
     small = watch(following=2.0, alarm=alarm)
     for k, error in enumerate([0.0, 1.0, -1.0, 0.0]):
         small.check((0.0,), (error,), float(k))
     assert small.suspicion(3.0) is None
+
+
+def test_a_swing_is_over_after_the_longest_that_any_may_take():
+    alarm = OscillationAlarm(amplitude=0.25, swings=50, slowest=1.25, lost=100.0)
+    watched = watch(following=2.0, alarm=alarm)
+    for k, error in enumerate([0.0, 1.5, -1.5, 0.0]):
+        watched.check((0.0,), (error,), float(k))
+    assert watched.suspicion(4.25) is not None
+    assert watched.suspicion(4.5) is None
 
 
 def test_a_reference_that_turns_by_more_than_half_the_amplitude_starts_anew():

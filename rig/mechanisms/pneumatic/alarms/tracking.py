@@ -14,6 +14,8 @@ _HELD = 0.05
 """What is held is behind its reference for longer than this, s: seals let go before."""
 _KEPT = 0.7
 """A swing that dies away is below this share of the one before; one that stays is above it."""
+_DUE = 1.5
+"""A swing that goes on has turned round again within so many times what it took before."""
 _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
 
@@ -85,6 +87,11 @@ class _Swings:
         following = self._following
         both = min(before, extreme) < -following and max(before, extreme) > following
         return both and abs(extreme) > _KEPT * abs(before)
+
+    def goes_on(self, now: float) -> bool:
+        """Return whether the next extreme is not long due after the last two."""
+        (_, before), (_, last) = self._turned[-2:]
+        return now - last <= _DUE * (last - before)
 
     def frequency(self, swings: int, now: float) -> float | None:
         """Return the frequency, Hz, if so many swings have lasted until now; else None."""
@@ -181,11 +188,14 @@ class TrackingWatch:
                 raise LimitExceeded(what, here - goal, -following, following, "m")
 
     def suspicion(self, now: float) -> str | None:
-        """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""
+        """Return which rod has begun to swing, for a limit that was exceeded before it lasted.
+
+        A single swing may as well be what a push left behind.
+        """
         for k, swings in enumerate(self._swings):
             frequency = swings.frequency(1, now)
-            if frequency is not None and swings.size > self._following:
-                return self._say(k, frequency)
+            if frequency is not None and swings.size > self._following and swings.goes_on(now):
+                return f"{self._say(k, frequency)}; unless it was pushed"
         return None
 
     def _say(self, k: int, frequency: float) -> str:
