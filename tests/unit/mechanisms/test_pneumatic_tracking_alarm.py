@@ -238,7 +238,9 @@ def test_what_had_begun_to_swing_is_why_a_limit_was_exceeded():
     assert "ch2 oscillates at 0.5 Hz, 3e+03 mm peak to peak" in said
     assert said.endswith("; unless it was pushed")
     watched.check((0.0, 0.0), (0.0, 1.5), 3.5)
+    assert watched.suspicion(3.5) == said, "it has not come back from there"
     watched.check((0.0, 0.0), (0.0, 0.0), 4.0)
+    assert "pushed" not in watched.suspicion(4.0)
     for k, error in enumerate([-1.5, 0.0, 1.5, 0.0]):  # now it takes half a second to turn round
         watched.check((0.0, 0.0), (0.0, error), 4.25 + 0.25 * k)
     assert watched.suspicion(5.75) is not None

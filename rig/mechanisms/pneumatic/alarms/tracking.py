@@ -195,7 +195,8 @@ class TrackingWatch:
         for k, swings in enumerate(self._swings):
             frequency = swings.frequency(1, now)
             if frequency is not None and swings.size > self._following and swings.goes_on(now):
-                return f"{self._say(k, frequency)}; unless it was pushed"
+                pushed = "" if swings.frequency(2, now) else "; unless it was pushed"
+                return self._say(k, frequency) + pushed
         return None
 
     def _say(self, k: int, frequency: float) -> str:
