@@ -54,6 +54,15 @@ class MonitorWires:
             if broken >= _BROKEN_AFTER:
                 raise self._fault(name, codec, told)
 
+    def explain(self, unsafe: str) -> str:
+        """Return why nothing is known to be safe, with the wire that keeps it from being known."""
+        if unsafe:
+            try:
+                self.check()
+            except DeviceFault as fault:
+                return f"{unsafe}: {fault}"
+        return unsafe
+
     def _fault(self, channel: str, codec: MonitorCodec, told: float) -> DeviceFault:
         """Return what is wrong with a monitor whose signal (V or A) is none that it gives."""
         signal = self._settings.wired[channel].monitor

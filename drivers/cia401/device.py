@@ -97,7 +97,7 @@ class Cia401Regulators(AnalogueModule, PressureRegulator):
     def unsafe(self, now: float) -> str:
         """Return which chambers are not known to be vented; see `Device.unsafe`."""
         self._ask_monitors()
-        return self._explain(super().unsafe(now))
+        return self._wires.explain(super().unsafe(now))
 
     def safe_pressure(self) -> Vector:
         """Return the setpoints of the safe state, Pa gauge, shape (n,); see `PressureRegulator`."""

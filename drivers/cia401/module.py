@@ -29,7 +29,7 @@ from drivers.cia401.codec import (
 )
 from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.module_settings import PROFILE, ModuleSettings
-from rig.hal import DeviceFault, EmergencyStopInput, LimitExceeded, Reading, Vector
+from rig.hal import EmergencyStopInput, LimitExceeded, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -263,15 +263,6 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
             told = self._asked.reading()
             if told.t > self._measured_at:
                 self._pressure, self._measured_at = told
-
-    def _explain(self, unsafe: str) -> str:
-        """Return why it is not known to be safe, with the wire that keeps it from being known."""
-        if unsafe:
-            try:
-                self._wires.check()
-            except DeviceFault as fault:
-                return f"{unsafe}: {fault}"
-        return unsafe
 
     def close(self) -> None:
         """Expect nothing of the module any more; the bus stops it. Idempotent."""

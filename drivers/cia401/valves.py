@@ -59,4 +59,4 @@ class Cia401Valves(AnalogueModule, ProportionalValves):
     def unsafe(self, now: float) -> str:
         """Return which chambers are not known to be vented; see `Device.unsafe`."""
         self._ask_monitors()
-        return self._explain(super().unsafe(now))
+        return self._wires.explain(super().unsafe(now))

@@ -177,11 +177,17 @@ def what_must_come(case: Case, subject: Subject, felt_at: Sequence[float | None]
     if case.moment is Moment.CONNECT and case.first.kind != "nothing":
         return Must.EITHER  # it may be refused, or be past before anybody looks
     if Must.SAFE in musts:
-        if case.first.kind == "interrupted_twice":
-            return Must.EITHER  # it is made safe in the next cycle: what comes then may be too late
         # While it connects or is made safe anyway, what breaks need not be told apart.
-        return Must.SAFE if case.moment in _CONTROLLED else Must.EITHER
+        return Must.SAFE if case.moment in _CONTROLLED and not _is_stopping(case) else Must.EITHER
     return Must.EITHER if Must.EITHER in musts else Must.RIDE
+
+
+def _is_stopping(case: Case) -> bool:
+    """Return whether Ctrl-C came before the fault, or made it safe at once before it was seen."""
+    if case.first.kind in ("interrupted", "interrupted_twice"):
+        return True
+    ends = case.then is not None and case.then.kind == "interrupted_twice"
+    return ends and case.then_after < case.first.row.within
 
 
 def how_soon(case: Case, ending: CaseEnding, subject: Subject) -> float:

@@ -86,10 +86,7 @@ class Device(Protocol):
         self.arm()
 
     def identity(self) -> Mapping[str, int]:
-        """Ask what it is, once it is connected and not armed: serial number, firmware, by name.
-
-        Default: it cannot tell.
-        """
+        """Ask what it is before it is armed: serial number, firmware. Default: it cannot tell."""
         return {}
 
     def written(self) -> Mapping[str, float]:
@@ -391,8 +388,7 @@ class ServoBus(Device, Protocol):
     def follow_still(self) -> tuple[str, ...] | None:
         """Ask without the cycle which joints still follow setpoints, by name; None: nobody knows.
 
-        For somebody who only listens, after the master has died: no setpoint and no heartbeat is
-        sent.
+        For who only listens, after the master has died: no setpoint and no heartbeat is sent.
 
         Raises
         ------

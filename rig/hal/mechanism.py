@@ -315,10 +315,7 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return None
 
     def explain(self, error: Exception, state: State) -> Exception:
-        """Return a fault with its cause, or as it is; called once, with that cycle's state.
-
-        A mechanism may know more of a fault than the device or limit that showed it first.
-        """
+        """Return a fault with its cause, or as it is; called once, with that cycle's state."""
         return error
 
     def pose_held(self) -> str | None:

@@ -25,7 +25,8 @@ from rig.mechanisms.arm.live_row import commanded_row
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.arm.twists import HeardTwists, KnownTwists
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
+from rig.mechanisms.servo.axes import AxisLimits, Kinds
+from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes
 from rig.mechanisms.servo.settings import ServoLimits
 from rig.mechanisms.servo.targets import AxisTargets

@@ -21,7 +21,8 @@ from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
+from rig.mechanisms.servo.axes import AxisLimits, Kinds
+from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
 from rig.mechanisms.servo.settings import ServoLimits
 

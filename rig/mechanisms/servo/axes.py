@@ -14,10 +14,10 @@ from rig.hal import (
     StaleReading,
     Vector,
 )
-from rig.hal.columns import Column
 from rig.hal.mechanism import Margin, Mechanism, Settings
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.servo.asked import AskedPositions
+from rig.mechanisms.servo.columns import servo_columns as servo_columns  # noqa: PLC0414 - others
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
 from rig.mechanisms.servo.wiring import wire_axes
 from rig.mechanisms.stop_contact import StopContact
@@ -387,22 +387,3 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
         return self._hits
-
-
-def servo_columns(names: Sequence[str]) -> tuple[Column, ...]:
-    """Return the columns of joints with these names, as `ServoAxes.joint_row` fills them."""
-
-    def each(prefix: str, unit: str, text: str) -> list[Column]:
-        return [Column(f"{prefix}_{name}", unit, text.format(name)) for name in names]
-
-    return (
-        *each("reading.position", "rad", "position of {}"),
-        *each("reading.velocity", "rad/s", "velocity of {} as its drive gives it"),
-        Column("reading.age", "s", "age of the oldest reading when it was used"),
-        *each("reference.position", "rad", "planned position of {}"),
-        *each("reference.velocity", "rad/s", "planned velocity of {}"),
-        *each("command.position", "rad", "position that the law wants of {}"),
-        *each("command.velocity", "rad/s", "velocity that the law wants of {}"),
-        *each("applied.position", "rad", "position that was sent to {}"),
-        *each("applied.velocity", "rad/s", "velocity of what was sent to {}"),
-    )

@@ -345,17 +345,33 @@ def which_must(case):
     return {(True, False): "first", (False, True): "then", (True, True): "both"}.get(must)
 
 
-def test_what_breaks_after_two_interrupts_may_be_too_late_to_be_seen():
-    """The rig is made safe in the next cycle, and nobody looks any more."""
-    ended = CaseEnding(130, "stopped at once by the operator, made safe", 1.0, None)
-    found = 0
-    for case in RUNNING:
-        if case.first.kind == "interrupted_twice" and case.then is not None:
-            found += 1
+INTERRUPTS = ("interrupted", "interrupted_twice")
+
+
+def test_what_breaks_while_the_operator_stops_it_need_not_be_told_apart():
+    """As in the phases of a stop: it is made safe anyway."""
+    ended = CaseEnding(INTERRUPTED, "stopped by the operator, made safe", 1.0, None)
+    found = set()
+    for case in (replace(case, moment=Moment.RUN) for case in DRAWN):
+        first, then = case.first, case.then
+        if first.kind in INTERRUPTS:
+            found.add(first.kind)
             assert not give_verdict(case, ended, SUBJECT).unseen
-        elif case.then is None and which_must(case) == "first":
+        elif then.kind == "interrupted_twice" and which_must(case) == "first":
+            found.add(then.kind)
+            for after, unseen in ((first.row.within - 1e-4, False), (first.row.within, True)):
+                timed = replace(case, then_after=after)
+                assert give_verdict(timed, ended, SUBJECT).unseen is unseen
+        elif which_must(case) == "first":
             assert give_verdict(case, ended, SUBJECT).unseen
-    assert found
+    assert found == set(INTERRUPTS)
+
+
+def test_a_slow_disk_must_be_seen_if_something_is_written_to_it():
+    row, period = kind_named("disk_slow"), SUBJECT.period
+    assert row.must(Sizes(0.3, 1.01 * period), SUBJECT) is Must.SAFE
+    assert row.must(Sizes(0.3, 0.99 * period), SUBJECT) is Must.EITHER
+    assert row.must(Sizes(0.1, 1.0), SUBJECT) is Must.EITHER
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -382,7 +398,9 @@ def test_what_goes_wrong_is_kept_under_the_rigs_name_wherever_its_profile_is():
 
 def test_a_law_that_is_spoilt_when_nobody_follows_it_any_more_need_not_be_seen():
     """Drives brake by themselves after Ctrl-C; what the law says then goes nowhere."""
-    cases = [case for case in RUNNING if case.then.row.spoils_law]
+    cases = [
+        case for case in RUNNING if case.then.row.spoils_law and case.first.kind not in INTERRUPTS
+    ]
     assert {"controller_nan", "controller_huge"} <= {case.then.kind for case in cases}
     for case in cases:
         alone, then = case.first.row.must(case.first.sizes, SUBJECT), case.then

@@ -22,7 +22,8 @@ from servo_fakes import (
 )
 
 from rig.hal import LimitExceeded
-from rig.mechanisms.servo.axes import ServoAxes, servo_columns
+from rig.mechanisms.servo.axes import ServoAxes
+from rig.mechanisms.servo.columns import servo_columns
 
 NO_HITS = {"joint range": 0, "joint rate": 0, "joint acceleration": 0}
 

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from rig.hal import Controller, Device
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes
+from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.targets import AxisTargets
 from rig.scaffolding.templates.mechanism.references import MyRigTurns, Turning
 from rig.scaffolding.templates.mechanism.settings import MyRigSettings
