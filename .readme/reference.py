@@ -10,12 +10,12 @@ from pathlib import Path
 
 from rig.cli.command_table import COMMANDS
 from rig.explaining.faults import fault_topics
-from rig.explaining.glossary import Word, glossary
+from rig.explaining.glossary import PARTS, Word, glossary
 
 PAGE = Path(__file__).with_name("reference.md")
 _ORDER = (
     "exit code", "experiment key", "profile key", "sweep key", "fault scenario key",
-    "control law", "measure", "figure",
+    *PARTS, "control law", "measure", "figure",
 )  # fmt: skip
 _TITLES = {
     "exit code": "Exit codes",
@@ -23,6 +23,11 @@ _TITLES = {
     "profile key": "Profiles",
     "sweep key": "Sweep files",
     "fault scenario key": "Scenarios of `rig faults run FILE`",
+    "motion": "Motions: `reference.kind`",
+    "driver": "Drivers: `devices.NAME.driver`",
+    "mechanism": "Mechanisms",
+    "plant": "Plants: `plant.model`",
+    "protocol": "Protocols: `buses.NAME.protocol`",
     "control law": "Control laws",
     "measure": "Measures",
     "figure": "Figures",
@@ -68,7 +73,7 @@ def _sections(kind: str, words: list[Word]) -> Iterator[str]:
         title = (
             " of ".join(filter(None, (f"`{section}`" if section else "", of))) or "of every file"
         )
-        yield from ("", f"### {title}", "")
+        yield from ("", f"### {title}", "") if of or kind not in PARTS else ("",)
         rows = [(f"`{w.name}`", w.text, f"`{w.default}`" if w.default else "") for w in group]
         if any(default for _, _, default in rows):
             yield from _table(("name", "meaning", "default"), rows)

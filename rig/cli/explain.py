@@ -41,8 +41,8 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
     """Say what WORD means, or why a run stopped and what to do; default: the newest run.
 
     WORD is a key of a profile, an experiment, a sweep or a scenario of faults (`loop.rate`, or
-    `rate` alone), a measure, a figure, a law, a command, an exit code, a kind of fault, a message
-    of this program in quotes, or a run.
+    `rate` alone), a measure, a figure, a law, a driver, a kind of motion, a plant, a command, an
+    exit code, a kind of fault, a message of this program in quotes, or a run.
     """
     if rig is not None:
         from rig.assembly import REGISTRY
@@ -104,14 +104,19 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
         return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
     if word in EXIT_CODES:
         return [(f"exit code {word}", EXIT_CODES[word])]
-    from rig.explaining.glossary import glossary, without_keys  # imports every law and measure
+    from rig.explaining.glossary import (  # imports every law and measure
+        PARTS,
+        glossary,
+        without_keys,
+    )
     from rig.explaining.report_words import REPORT_WORDS
 
     found = [w for w in without_keys() if w.name == word]
     if not found and word not in REPORT_WORDS:
         words = glossary()
         found = [w for w in words if w.name == word]
-        found = found or [w for w in words if w.name.endswith(f".{word}")]
+        if all(w.kind in PARTS for w in found):  # which hide no key
+            found += [w for w in words if w.name.endswith(f".{word}")]
         found = found or _metric(word, words)
     if word in REPORT_WORDS:
         return [(word, REPORT_WORDS[word]), *((_title(w), w.text) for w in found[:_MOST])]

@@ -1,7 +1,7 @@
 """Every name that a file or a report may hold, with its meaning, read off the code behind it."""
 
 import inspect
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple, cast
 
 from rig.assembly import REGISTRY
@@ -18,6 +18,14 @@ Schema = Mapping[str, object]
 PROFILE, EXPERIMENT, MEASURE = "profile key", "experiment key", "measure"
 SWEEP, SCENARIO = "sweep key", "fault scenario key"
 LAW, FIGURE, EXIT_CODE = "control law", "figure", "exit code"
+PARTS: Mapping[str, tuple[Kind, str]] = {
+    "motion": ("reference", "reference.kind"),
+    "driver": ("driver", "devices.NAME.driver"),
+    "mechanism": ("mechanism", "mechanism"),
+    "plant": ("plant", "plant.model"),
+    "protocol": ("bus", "buses.NAME.protocol"),
+}
+"""Parts that files name, as people call them: their kind, and the key that names one."""
 
 
 class Word(NamedTuple):
@@ -45,7 +53,7 @@ class Word(NamedTuple):
 
 
 def glossary() -> tuple[Word, ...]:
-    """Return every key of files, law, measure, figure and exit code."""
+    """Return every key of files, part, law, measure, figure and exit code."""
     from rig.faults.scenario_file import Scenario
     from rig.sweeping.sweep_keys import SweepKeys
 
@@ -54,6 +62,7 @@ def glossary() -> tuple[Word, ...]:
         *_experiment_keys(),
         *_keys(SWEEP, "", "", SweepKeys),
         *_keys(SCENARIO, "", "", Scenario),
+        *_parts(),
         *without_keys(),
     )
 
@@ -116,8 +125,31 @@ def _figures() -> Iterator[Word]:
 def _laws() -> Iterator[Word]:
     for name in REGISTRY.imported("controller"):
         mechanism, _, law = name.rpartition("/")
-        text = inspect.getdoc(REGISTRY.load("controller", name)) or ""
-        yield Word(law, LAW, mechanism, " ".join(text.partition("\n\n")[0].split()))
+        yield Word(law, LAW, mechanism, _first_sentence(REGISTRY.load("controller", name)))
+
+
+def _parts() -> Iterator[Word]:
+    for called, (kind, key) in PARTS.items():
+        owners = {name: _owner(kind, name) for name in REGISTRY.imported(kind)}
+        for name in sorted(owners, key=lambda name: (owners[name], name)):
+            settings = cast("type", REGISTRY.settings(kind, name))
+            said = _first_sentence(settings).partition(", beside what ")[0].rstrip(".")
+            keys = ", ".join(cast("Schema", adapter(settings).json_schema()["properties"]))
+            taken = f" It takes: {keys}." if keys else ""
+            yield Word(name, called, owners[name], f"{said}. Named by `{key}`.{taken}")
+
+
+def _owner(kind: Kind, name: str) -> str:
+    """Return whose a motion or plant is; empty: it is nobody's."""
+    of: Mapping[Kind, Callable[[str], Sequence[str]]] = {
+        "reference": REGISTRY.references, "plant": REGISTRY.plants,
+    }  # fmt: skip
+    mechanisms = REGISTRY.imported("mechanism") if kind in of else ()
+    return next((one for one in mechanisms if name in of[kind](one)), "")
+
+
+def _first_sentence(thing: type) -> str:
+    return " ".join((inspect.getdoc(thing) or "").partition("\n\n")[0].split())
 
 
 def _keys(kind: str, section: str, of: str, settings: type) -> Iterator[Word]:

@@ -49,6 +49,29 @@ def test_drawn_words_of_files_are_known(capsys):
         assert " ".join(word.text.split()[:2]) in " ".join(out.split())
 
 
+@pytest.mark.parametrize(
+    ("name", "called", "keys"),
+    [
+        ("sine", "motion of cylinder", ("reference.kind", "amplitude", "tones")),
+        ("cia402", "driver", ("devices.NAME.driver", "joints", "enable_time")),
+        ("antagonistic-pair", "plant of cylinder", ("plant.model", "friction_scale")),
+        ("canopen", "protocol", ("buses.NAME.protocol", "heartbeat")),
+        ("arm", "mechanism", ("`mechanism`", "geometry")),
+    ],
+)
+def test_a_part_is_known_with_what_names_it_and_what_it_takes(capsys, name, called, keys):
+    code, out, _ = said(capsys, name)
+    assert code == 0
+    assert f"{name} ({called}): " in out
+    for key in keys:
+        assert key in out
+
+
+def test_a_part_hides_no_key_of_its_name(capsys):
+    out = said(capsys, "step")[1]
+    assert "step (motion of cylinder)" in out and "reference.step (experiment key" in out
+
+
 @pytest.mark.parametrize("command", ["run", "calibrate"])
 def test_commands_are_known(capsys, command):
     code, out, _ = said(capsys, command)
