@@ -13,7 +13,7 @@ import pytest
 
 OWN = [
     "--set", "reference.tones=[{frequency: 1 Hz, periods: 2}]",
-    "--set", "metrics={tracking_rms: {}}", "--set", "figures=[]", "--on", "sim", "--json",
+    "--set", "metrics={tracking_rms: {}}", "--set", "figures=[timing]", "--on", "sim", "--json",
 ]  # fmt: skip
 ONE_IS_LONG = ["--vary", "approach=1 s,600 s"]
 """The first is done at once, the other takes minutes."""

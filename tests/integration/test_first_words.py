@@ -83,7 +83,8 @@ def test_an_older_run_is_said_to_be_one(here, ago, said):
 
 def test_the_page_of_a_run_that_stopped_says_why_and_what_to_do(here):
     fault = "{at: 1.2 s, device: regulators, fault: wire_break}"
-    assert invoke(["run", "cylinder-step", "--set", f"simulation.faults=[{fault}]"]) == 4
+    words = ["--set", f"simulation.faults=[{fault}]", "--set", "figures=[timing]"]
+    assert invoke(["run", "cylinder-step", *words]) == 4
     (run,) = find_runs().iterdir()
     page = (run / "report.html").read_text()
     topic = next(text for label, text in explain_run(run) if label == "kind")

@@ -28,6 +28,8 @@ QUICK = (
     "reference.rise=0.1 s",
     "--set",
     "reference.size=2 mm",
+    "--set",
+    "figures=[timing]",
 )
 
 

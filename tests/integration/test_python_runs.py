@@ -19,6 +19,7 @@ from rig.cli import invoke
 from rig.mechanisms.cylinder.references import Sine, SineTone
 
 SHORT = {"approach": 0.5, "reference.levels": "[0, 2 mm]", "reference.dwell": 0.5}
+ONE_FIGURE = SHORT | {"figures": "[timing]"}
 
 
 @pytest.fixture(scope="module")
@@ -238,7 +239,9 @@ def excursion(data):
 def test_a_law_and_a_measure_in_python(out):
     wanted = {"excursion": (excursion, "m"), "cycles": len}
     run, other = (
-        rig.run("cylinder-staircase", on="sim", set=SHORT, controller=law, measures=wanted, out=out)
+        rig.run(
+            "cylinder-staircase", on="sim", set=ONE_FIGURE, controller=law, measures=wanted, out=out
+        )
         for law in (Halved, Pid)
     )
     assert float(run.metrics["hold_rms"]) != float(other.metrics["hold_rms"])
@@ -284,7 +287,7 @@ def test_a_measure_that_fails_says_where_and_leaves_the_run_as_it_was(
     broken, said, line, bound, out
 ):
     wanted = {"first": len, "bad": broken, "last": (excursion, "m")}
-    setting = SHORT | {"metrics.hold_rms.max": bound}
+    setting = ONE_FIGURE | {"metrics.hold_rms.max": bound}
     with pytest.raises(rig.MeasureFailed) as failed:
         rig.run("cylinder-staircase", on="sim", set=setting, out=out, measures=wanted)
     assert f"measure bad ({__file__}, line {broken.__code__.co_firstlineno + line})" in str(
@@ -307,7 +310,7 @@ def test_a_measure_that_fails_says_where_and_leaves_the_run_as_it_was(
 
 def test_a_measure_that_is_nan_says_so_and_one_that_never_came_does_not(out, capsys):
     wanted = {"strange": lambda data: math.nan, "late": lambda data: math.inf}
-    run = rig.run("cylinder-staircase", on="sim", set=SHORT, out=out, measures=wanted)
+    run = rig.run("cylinder-staircase", on="sim", set=ONE_FIGURE, out=out, measures=wanted)
     assert str(run.metrics["strange"]) == "NaN" and str(run.metrics["late"]) == "never"
     page = run.report.read_text()
     assert "NaN</td>" in page and "never</td>" in page

@@ -223,6 +223,7 @@ def test_the_reports_line_runs_it_again(runs, tmp_path):
     mine.write_text(text.replace("name: cylinder-step", "name: my-step"))
     out = tmp_path / "runs"
     words = ["run", str(mine), "--on", "sim", "--out", str(out), *SHORT]
+    words += ["--set", "figures=[timing]"]
     assert invoke([*words, "--set", "simulation.seed=5"]) in (0, 1)
     (folder,) = out.iterdir()
     page = (folder / "report.html").read_text()

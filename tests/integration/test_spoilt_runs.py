@@ -14,6 +14,7 @@ from rig.runtime.log import LogFile, read_log
 SHORT = (
     "--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s",
     "--set", "reference.rise=0 s", "--set", "reference.size=1 mm",
+    "--set", "figures=[timing]",
 )  # fmt: skip
 
 
