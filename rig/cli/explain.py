@@ -105,17 +105,16 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
     if word in EXIT_CODES:
         return [(f"exit code {word}", EXIT_CODES[word])]
     from rig.explaining.glossary import (  # imports every law and measure
-        PARTS,
         glossary,
         without_keys,
     )
     from rig.explaining.report_words import REPORT_WORDS
 
     found = [w for w in without_keys() if w.name == word]
-    if not found and word not in REPORT_WORDS:
+    if (not found or _is_part(word)) and word not in REPORT_WORDS:
         words = glossary()
         found = [w for w in words if w.name == word]
-        if all(w.kind in PARTS for w in found):  # which hide no key
+        if not any(w.kind.endswith("key") for w in found):  # parts and figures hide no key
             found += [w for w in words if w.name.endswith(f".{word}")]
         found = found or _metric(word, words)
     if word in REPORT_WORDS:
@@ -124,6 +123,13 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
         names = sorted({w.name for w in found})
         return [(word, f"{len(names)} keys end so; say which: {', '.join(names)}")]
     return [(_title(w), w.text + (f" Default: {w.default}." if w.default else "")) for w in found]
+
+
+def _is_part(word: str) -> bool:
+    from rig.assembly import REGISTRY
+    from rig.explaining.glossary import PARTS
+
+    return any(word in REGISTRY.imported(kind) for kind, _ in PARTS.values())
 
 
 def _metric(word: str, words: Sequence[Word]) -> list[Word]:
