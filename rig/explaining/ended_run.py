@@ -13,7 +13,7 @@ from rig.explaining.faults import FaultTopic, topic_of
 from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
 
 _DIAGNOSIS = "diagnosis"
-_SEEN = ("oscillation",)
+_SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 60.0
 """A run that ended less long ago (s) is the one that whoever asks means."""

@@ -172,9 +172,20 @@ def test_it_names_the_chamber_that_pulls_less_and_by_how_much():
         said = told(balance(), *pressures).explain()
         assert said == (
             f"regulators: the chamber of {name} leaks behind its tube, or its monitor is off, or "
-            "the ring is pushed or held: 24 N are not those of the pressures"
+            "the ring is pushed or held, or has more friction than the profile says "
+            "(`rig calibrate` friction measures it): 24 N are not those of the pressures"
         )
     assert told(balance(), 300e3, 300e3, 300e3, 300e3).explain() is None
+
+
+def test_friction_is_no_cause_of_what_moves_by_itself():
+    watch = balance()
+    for k in range(21):
+        way = 50e-6 * k
+        watch.note(1e-3 * k, (way, 0.0, -way, 0.0), (0.0, 0.0, 150e3, 0.0))
+    said = watch.explain()
+    assert said is not None and "is pushed or held: " in said
+    assert "friction" not in said
 
 
 def test_of_two_pairs_the_one_that_lacks_more_is_named_first():
@@ -256,7 +267,8 @@ def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monit
     against = math.copysign(10.0 + 1e-9, -off)
     assert stays(against, off) == (
         f"regulators: the chamber of {back} leaks behind its tube, or its monitor is off, or the "
-        "carriage is pushed or held: it stays off though 10 N pull it back"
+        "carriage is pushed or held, or has more friction than the profile says "
+        "(`rig calibrate` friction measures it): it stays off though 10 N pull it back"
     )
     assert stays(math.copysign(10.0 - 1e-9, -off), off) is None  # its seals may hold that
     assert stays(-against, off) is None  # nothing pulls it back

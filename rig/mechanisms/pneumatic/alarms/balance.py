@@ -23,6 +23,10 @@ _MOVED: Final = 0.5e-3
 _LEAST_FRICTION, _MOST_FRICTION = 0.8, 1.6
 """Seals take so much of the profile's friction at least while they slide, and hold so much at
 most. E: with 0.6, as `rig tune` has it, a chamber that empties in mid-motion is not told."""
+_STUCK: Final = (
+    ", or has more friction than the profile says (`rig calibrate` friction measures it)"
+)
+"""What holds a pair that stands, beside air and hands."""
 _SURE: Final = 0.7
 """So much of the Coulomb friction is missing at least: less may be friction other than told."""
 
@@ -64,11 +68,11 @@ def missing_pull(
     sticks : bool
         Only if it sticks. A pair that slides fast has other pressures than late monitors say.
     """
-    late = [instant for instant in history if instant.t >= history[-1].t - _LOOK]
+    late = _late(history)
     if not late or late[-1].t - late[0].t < 2.0 * _ENDS:
         return 0.0
     way = late[-1].place - late[0].place
-    if abs(way) < _MOVED:
+    if _stands(late):
         held = sum(instant.pull for instant in late) / len(late)
         missing, sign = abs(held) - _MOST_FRICTION * friction.breakaway, -held
     elif sticks:
@@ -76,6 +80,16 @@ def missing_pull(
     else:
         missing, sign = _unexplained_energy(late, mass, friction) / abs(way), way
     return math.copysign(missing, sign) if missing > _SURE * friction.coulomb else 0.0
+
+
+def _late(history: Sequence[Instant]) -> list[Instant]:
+    """Return the instants over which forces are balanced."""
+    return [instant for instant in history if instant.t >= history[-1].t - _LOOK]
+
+
+def _stands(late: Sequence[Instant]) -> bool:
+    """Return whether a pair has not moved over some instants."""
+    return abs(late[-1].place - late[0].place) < _MOVED
 
 
 class PullBalance:
@@ -142,10 +156,11 @@ class PullBalance:
         short = " or ".join(
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
+        stuck = _STUCK if _stands(_late(self._instants(found[0][1]))) else ""
         return (
             f"{self._device}: the chamber of {short} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held: {abs(found[0][0]):.0f} N are not those of the "
-            "pressures"
+            f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
+            "the pressures"
         )
 
     def explain_off(self, off: float) -> str | None:
@@ -169,10 +184,14 @@ class PullBalance:
         back = self._channels[other if off > 0.0 else one]
         return (
             f"{self._device}: the chamber of {back} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held: it stays off though {against:.0f} N pull it back"
+            f"or {self._moved} is pushed or held{_STUCK}: it stays off though {against:.0f} N pull "
+            "it back"
         )
 
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
+        return missing_pull(self._instants(pair), self._mass, self._friction, sticks=sticks)
+
+    def _instants(self, pair: tuple[int, int]) -> list[Instant]:
         one, other = pair
         instants = []
         for t, rods, pressures in self._history:
@@ -180,7 +199,7 @@ class PullBalance:
             falls = self._falling * place * sum(pressures) / len(pressures)
             pull = self._area * (pressures[one] - pressures[other] + falls)
             instants.append(Instant(t, place, pull))
-        return missing_pull(instants, self._mass, self._friction, sticks=sticks)
+        return instants
 
 
 def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:

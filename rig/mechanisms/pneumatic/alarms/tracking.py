@@ -20,6 +20,20 @@ _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
 
 
+_STILL = 30e-6
+_STILL_FOR = 0.02
+"""A rod that goes no farther (m) within this time (s) stands: bristles and wire give by less."""
+_OF_LATE = 1.0
+"""Time over which a rod's standing is averaged, s."""
+_MOSTLY = 0.5
+"""Share of it that a rod stands that sticks. A swing of 3 mm in 2 s is as slow for a fifth."""
+
+_STICKS = (
+    "it sticks, with more friction than the profile says, or is held: "
+    "`rig calibrate` friction measures that"
+)
+
+
 class Strayed(LimitExceeded):
     """A distance from the reference that has lasted for too long; positive beyond it."""
 
@@ -101,6 +115,40 @@ class _Swings:
         return 0.5 * (len(turned) - 1) / (turned[-1][1] - turned[0][1])
 
 
+class _Rests:
+    """The share of the time that one rod has stood of late, as one does that sticks and slips."""
+
+    def __init__(self) -> None:
+        self._place, self._since, self._before = math.inf, math.nan, math.nan
+        self._stood = self._passed = 0.0
+        self._stands = False
+
+    def update(self, place: float, now: float) -> None:
+        """Take a place, m."""
+        passed, self._before = now - self._before, now
+        if abs(place - self._place) > _STILL:
+            self._place, self._since, self._stands = place, now, False
+        if not passed > 0.0:
+            return  # the first cycle
+        fades = math.exp(-passed / _OF_LATE)
+        self._stood, self._passed = fades * self._stood, fades * self._passed + passed
+        if self._stands:
+            self._stood += passed
+        elif now - self._since > _STILL_FOR:
+            self._stood += now - self._since
+            self._stands = True
+
+    @property
+    def share(self) -> float:
+        """Of the time that it stood."""
+        return self._stood / self._passed if self._passed > 0.0 else 0.0
+
+    @property
+    def sticks(self) -> bool:
+        """Whether it has stood for most of the time."""
+        return self.share > _MOSTLY
+
+
 class TrackingWatch:
     """Checks how rods follow where they should be while a controller moves them.
 
@@ -124,6 +172,7 @@ class TrackingWatch:
         """Forget the past: nothing was controlled."""
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed_at: list[float | None] = [None] * len(self._names)
+        self._rests = [_Rests() for _ in self._names]
 
     def check(
         self,
@@ -155,12 +204,15 @@ class TrackingWatch:
         for k, swings in enumerate(self._swings):
             goal = wanted[k]
             error = measured[k] - goal
+            rests = self._rests[k]
+            rests.update(measured[k], now)
             since = self._followed_at[k]
             if -following <= error <= following or since is None:
                 self._followed_at[k] = now
             elif now - since > self._alarm.lost:
                 what = f"following error of {self._names[k]} for {now - since:.3g} s"
-                raise Strayed(what, error, -following, following, "m")
+                why = _STICKS if rests.sticks else None
+                raise Strayed(what, error, -following, following, "m", why)
             elif now - since > _HELD and (cause := held()) is not None:
                 raise SafetyError(
                     f"{cause} [{self._names[k]} stays {error * 1e3:.2g} mm off its reference]"
@@ -200,9 +252,16 @@ class TrackingWatch:
         return None
 
     def _say(self, k: int, frequency: float) -> str:
+        size, rests = self._swings[k].size * 1e3, self._rests[k]
+        if rests.sticks:
+            return (
+                f"{self._names[k]} sticks and slips at {frequency:.1f} Hz, {size:.2g} mm peak to "
+                f"peak, about its reference, and stands for {100.0 * rests.share:.0f} % of the "
+                "time: its friction is more than the profile says, or more than its gains bear; "
+                "`rig calibrate` friction measures it, then `rig tune` looks for gains"
+            )
         return (
-            f"{self._names[k]} oscillates at {frequency:.1f} Hz, "
-            f"{self._swings[k].size * 1e3:.2g} mm peak to peak, about its reference: the gains are "
-            "too high for this rig's regulators and friction; `rig calibrate` tells their response "
-            "and dead time"
+            f"{self._names[k]} oscillates at {frequency:.1f} Hz, {size:.2g} mm peak to peak, about "
+            "its reference: the gains are too high for this rig's regulators and friction; "
+            "`rig calibrate` tells their response and dead time"
         )
