@@ -29,7 +29,7 @@ PARTS = Additions(mechanism="cylinder", measures=("sly_more:MEASURES",))
 """
 QUICK = (
     "--set", "reference={kind: step, size: 2 mm, dwell: 0.5 s, rise: 0.1 s, repeats: 1}",
-    "--set", "approach=0.5 s",
+    "--set", "approach=0.5 s", "--set", "figures=[timing]",
 )  # fmt: skip
 COMMAND_LINES = {
     "run": ["run", "cylinder-step", "--on", "sim", "--no-report", *QUICK],
