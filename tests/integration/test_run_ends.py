@@ -113,14 +113,23 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
         assert released < 0.01
 
 
-@pytest.mark.parametrize(
-    "trials", [5, pytest.param(200, marks=pytest.mark.slow)], ids=["few", "many"]
-)
-def test_killed_run_loses_no_recorded_cycle(tmp_path, trials):
+def kill_runs(tmp_path, trials, seed):
+    """Kill so many runs at drawn moments; the report of the last one says what it was."""
     run_experiment(plan(), Backend.SIM, tmp_path / "warm", report=False)  # kernels compiled
-    generator = np.random.default_rng(7)
+    generator = np.random.default_rng(seed)
     for trial in range(trials):
         folder = kill_in_mid_run(plan(), Backend.VIRTUAL, tmp_path / str(trial), generator)
     assert write_report(folder.path).page.exists()
     manifest = json.loads((folder.path / "manifest.json").read_text())
     assert manifest["status"] == "crashed"
+
+
+def test_killed_run_loses_no_recorded_cycle(tmp_path):
+    kill_runs(tmp_path, 5, seed=7)
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("block", range(10))
+def test_two_hundred_killed_runs_lose_no_recorded_cycle(tmp_path, block):
+    kill_runs(tmp_path, 20, seed=[7, block])
