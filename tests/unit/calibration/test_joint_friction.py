@@ -14,6 +14,7 @@ from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.types import JointCommand, JointReference, JointState
 from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
+from rig.calibration.catalogue import procedures
 from rig.calibration.estimates import Fit
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
@@ -173,6 +174,48 @@ def test_a_leaning_ring_is_moved_under_little_pull_and_without_a_pid(profile):
     assert pneumatics_of(cylinder).gentle_pressure == cylinder.mechanism_settings.base_pressure
     moved, name = pneumatics_of(cylinder).with_gentle_controller()
     assert moved.controllers[name].proportional < cylinder.controllers["pid"].proportional
+
+
+@pytest.fixture(scope="module")
+def late():
+    return load_profile("joint", REGISTRY, (), find_configs())
+
+
+def test_behind_a_dead_time_its_controller_is_the_profiles_own_with_less_integral(late):
+    calm, name = pneumatics_of(late).with_gentle_controller()
+    usual, now = late.controllers[name], calm.controllers[name]
+    assert now.pair.integral == pytest.approx(0.3 * usual.pair.integral)
+    # What holds a falling ring, and what holds it at rest, is what was tuned for its regulators.
+    assert replace(now.pair, integral=usual.pair.integral) == usual.pair
+    assert now.friction_distance == usual.friction_distance
+    assert now.dither.amplitude == now.path_dither.force == 0.0 == now.camera.gain
+
+
+@pytest.mark.parametrize(
+    ("response", "own"),
+    [
+        ("{dead_time: 7.1 ms}", False),
+        ("{dead_time: 7.3 ms}", True),
+        ("{dead_time: 12.1 ms, monitor_time: 5 ms}", False),  # for which the air does not wait
+        ("{dead_time: 12.3 ms, monitor_time: 5 ms}", True),
+    ],
+)
+def test_regulators_are_late_by_what_the_air_waits_for(response, own):
+    told = load_profile(
+        "joint", REGISTRY, (f"joint.regulator_response={response}",), find_configs()
+    )
+    calm, name = pneumatics_of(told).with_gentle_controller()
+    hold = calm.controllers[name].pair.hold_integral
+    assert (hold == told.controllers[name].pair.hold_integral) is own
+
+
+def test_rods_are_taken_to_the_caliper_by_what_the_regulators_bear(profile, late):
+    assert pneumatics_of(profile).with_placing_controller() == (profile, "pid")
+    calm, name = pneumatics_of(late).with_placing_controller()
+    assert name == "cascade"
+    assert calm.controllers[name].pair.integral < late.controllers[name].pair.integral
+    procedure = procedures(late)["encoders"]
+    assert procedure.excite(late, ()).controller_name == "cascade"
 
 
 @pytest.mark.parametrize(("pairs", "share"), [(2, "shared"), (1, "alone")])

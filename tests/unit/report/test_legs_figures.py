@@ -68,6 +68,8 @@ def test_strip_has_the_instants_that_the_walk_reaches(run_of):
 def test_balance_has_one_print_per_stand_and_the_bound(run_of):
     ground, over_time = drawn("balance", run_of("legs-walk", *BRISK, METRICS)).axes
     assert len(ground.patches) == 4  # both feet at the start, and two landings
+    named = {text.get_text() for text in ground.get_legend().get_texts()}
+    assert {"right foot", "left foot", "start", "end"} <= named
     bound = next(line for line in over_time.lines if line.get_linestyle() == "--")
     assert bound.get_ydata()[0] == pytest.approx(5.0)
 

@@ -29,7 +29,15 @@ _BETWEEN: Final = 0.25 * math.pi
 """Azimuth between the pairs, rad: leaning there moves all rods."""
 
 _CASCADE: Final = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.5e4}
-"""Greatest gains of a cascade that slides the pairs: rad/s, rad/s and N/(m s)."""
+"""Greatest gains of a cascade that slides the pairs on quick regulators: rad/s, rad/s, N/(m s)."""
+
+_LATE: Final = 0.7
+"""Phase that dead time takes of the position loop of that cascade, rad, beyond which its integrals
+are ahead of the air: at rest they throw the ring."""
+
+_CALM: Final = 0.1
+"""Share of the integral of a cascade for late regulators. What holds a falling ring is the rest:
+with 0.7 of its other gains it falls more often."""
 
 _GENTLE_PRESSURE: Final = 120e3
 """Greatest base pressure under which a ring that leans is moved, Pa gauge.
@@ -210,25 +218,39 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         evenly at 0.6 to 1.4 times the friction, a few millimetres off their line; with still less
         the ring gets away from it. A PID would push a ring that sticks until it flies off.
 
-        Whatever the profile's cascade is tuned for, this is the one for standard seals, with the
-        profile's gains where they are lower. On valves its other gains are the profile's, too, as
-        those for regulators would shake pressures that follow at once. It heeds no camera, which
-        may not be calibrated yet, and shakes nothing: that would change the friction.
+        Whatever the profile's cascade is tuned for, on quick regulators this is the one for
+        standard seals, with the profile's gains where they are lower. Regulators with a dead time
+        do not bear its integrals: there all gains are the profile's, with a part of its integral.
+        So they are on valves, whose pressures follow at once and would shake. It heeds no camera,
+        which may not be calibrated yet, and shakes nothing: that would change the friction.
         """
         usual = self.profile.controllers["cascade"]
-        standard = usual
-        if self.settings.valves is None:
+        standard, gains = usual, dict(_CASCADE)
+        if self._late:
+            gains = {"integral": _CALM * usual.pair.integral}
+        elif self.settings.valves is None:
             standard = dataclasses.replace(
                 type(usual)(), wire=usual.wire, pose=usual.pose, stretch=usual.stretch
             )
         believed = dataclasses.asdict(usual.pair)
-        gains = {f"pair.{name}": min(believed[name], most) for name, most in _CASCADE.items()}
+        gains = {f"pair.{name}": min(believed[name], most) for name, most in gains.items()}
         calm = {**gains, "camera.gain": 0.0, "dither.amplitude": 0.0, "path_dither.force": 0.0}
         profile = dataclasses.replace(
             self.profile, controllers={**self.profile.controllers, "cascade": standard}
         )
         changes = {f"controllers.cascade.{name}": value for name, value in calm.items()}
         return profile_with(profile, {**changes, "controllers.cascade.learning": None}), "cascade"
+
+    def with_placing_controller(self) -> tuple[Profile, str]:
+        """See `Pneumatics.with_placing_controller`; behind a dead time a PID lets the ring fall."""
+        return self.with_gentle_controller() if self._late else super().with_placing_controller()
+
+    @property
+    def _late(self) -> bool:
+        """Whether the regulators are too late for the cascade for standard seals."""
+        response = self.settings.regulator_response
+        air = max(response.dead_time - response.monitor_time, 0.0)
+        return self.settings.valves is None and air * _CASCADE["position_rate"] > _LATE
 
     def reach(self, share: float) -> float:
         """See `Pneumatics.reach`."""

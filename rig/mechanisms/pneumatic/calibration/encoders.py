@@ -58,10 +58,10 @@ class Encoders(PneumaticProcedure):
         """Return the levels; a staircase that was broken off is climbed again from its foot."""
         stairs = _stairs(self._of(profile))
         wider, notes = self._of(profile).with_wider_limits(_ROOM)
-        # It knows nothing of wires that rods are calibrated against.
-        controller, moved = make_controller(wider, "pid"), self._of(wider)
+        wider, name = self._of(wider).with_placing_controller()
+        controller, moved = make_controller(wider, name), self._of(wider)
         motion = moved.along_line(stairs, controller)
-        return moved.excitation(stairs, motion, controller, "pid", notes, approach=3.0)
+        return moved.excitation(stairs, motion, controller, name, notes, approach=3.0)
 
     def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit a line per encoder."""

@@ -127,6 +127,10 @@ class Pneumatics(ABC, Generic[Reference, Command]):
     def with_gentle_controller(self) -> tuple[Profile, str]:
         """Return the profile with a controller that is at rest at its place, and its name."""
 
+    def with_placing_controller(self) -> tuple[Profile, str]:
+        """Return the profile with a controller that takes rods to a caliper, and its name."""
+        return self.profile, "pid"
+
     @abstractmethod
     def reach(self, share: float) -> float:
         """Return how far a pair, or a ring along its ball, may go from home, m.
