@@ -45,12 +45,20 @@ def having_their_turn(cases: Sequence[Case], most: int, day: int, name: str) -> 
 
 
 def set_the_others_apart(items: Sequence[Any], day: int) -> None:
-    """Mark the cases that have no turn today as `lengthy`."""
+    """Mark the cases that have no turn today as `lengthy`.
+
+    Raises
+    ------
+    pytest.UsageError
+        A test is lengthy and not slow: nothing would leave it out of the default set.
+    """
     groups: dict[str, list[Any]] = {}
     for item in items:
         marker = item.get_closest_marker("sampled")
-        is_short = item.get_closest_marker("slow") and not item.get_closest_marker("lengthy")
-        if marker is not None and is_short:
+        is_slow, is_lengthy = map(item.get_closest_marker, ("slow", "lengthy"))
+        if is_lengthy and not is_slow:
+            raise pytest.UsageError(f"{item.nodeid} is marked lengthy, and not slow")
+        if marker is not None and is_slow and not is_lengthy:
             each = marker.kwargs.get("each")
             of = "" if each is None else f" {item.callspec.params[each]!r}"
             groups.setdefault(f"{item.nodeid.partition('[')[0]}{of}", []).append(item)

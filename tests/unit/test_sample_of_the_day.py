@@ -69,6 +69,12 @@ def test_what_is_always_lengthy_takes_nobodys_turn():
         assert sum(not item.is_lengthy for item in items) == 1
 
 
+def test_what_is_lengthy_and_not_slow_is_a_mistake():
+    items = [Item("f", pytest.mark.lengthy.mark, seed=1)]
+    with pytest.raises(pytest.UsageError, match=r"f\[1\] is marked lengthy, and not slow"):
+        set_the_others_apart(items, 0)
+
+
 def test_functions_have_turns_of_their_own():
     sampled = pytest.mark.sampled(1).mark
     items = [Item(f, SLOW, sampled, seed=s) for f in "fg" for s in range(9)]

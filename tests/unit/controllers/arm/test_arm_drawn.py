@@ -70,7 +70,8 @@ def test_a_few_paths_of_offset_arms(law):
     assert planned
 
 
-@pytest.mark.lengthy
+@pytest.mark.slow
+@pytest.mark.sampled(1)
 @each_law
 @pytest.mark.parametrize("block", range(4))
 def test_two_hundred_paths_of_offset_arms(law, block):
