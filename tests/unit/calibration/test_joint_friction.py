@@ -176,12 +176,15 @@ def test_a_leaning_ring_is_moved_under_little_pull_and_without_a_pid(profile):
     assert moved.controllers[name].proportional < cylinder.controllers["pid"].proportional
 
 
+LOW_SPEED = ("joint.friction.coulomb=4.8 N", "joint.friction.breakaway=5.0 N")
+
+
 @pytest.fixture(scope="module")
 def late():
-    return load_profile("joint", REGISTRY, (), find_configs())
+    return load_profile("joint", REGISTRY, LOW_SPEED, find_configs())
 
 
-def test_behind_a_dead_time_its_controller_is_the_profiles_own_with_less_integral(late):
+def test_where_late_air_lets_a_ring_fall_its_gains_are_the_profiles_with_less_integral(late):
     calm, name = pneumatics_of(late).with_gentle_controller()
     usual, now = late.controllers[name], calm.controllers[name]
     assert now.pair.integral == pytest.approx(0.3 * usual.pair.integral)
@@ -201,12 +204,21 @@ def test_behind_a_dead_time_its_controller_is_the_profiles_own_with_less_integra
     ],
 )
 def test_regulators_are_late_by_what_the_air_waits_for(response, own):
-    told = load_profile(
-        "joint", REGISTRY, (f"joint.regulator_response={response}",), find_configs()
-    )
+    options = (f"joint.regulator_response={response}", *LOW_SPEED)
+    told = load_profile("joint", REGISTRY, options, find_configs())
     calm, name = pneumatics_of(told).with_gentle_controller()
     hold = calm.controllers[name].pair.hold_integral
     assert (hold == told.controllers[name].pair.hold_integral) is own
+
+
+@pytest.mark.parametrize(("breakaway", "own"), [(5.7, True), (5.8, False)])
+def test_seals_that_hold_the_ring_need_the_integrals_for_standard_ones(breakaway, own):
+    options = (LOW_SPEED[0], f"joint.friction.breakaway={breakaway} N")
+    told = load_profile("joint", REGISTRY, options, find_configs())
+    calm, name = pneumatics_of(told).with_gentle_controller()
+    hold = calm.controllers[name].pair.hold_integral
+    assert (hold == told.controllers[name].pair.hold_integral) is own
+    assert (pneumatics_of(told).with_placing_controller()[1] == "cascade") is own
 
 
 def test_rods_are_taken_to_the_caliper_by_what_the_regulators_bear(profile, late):

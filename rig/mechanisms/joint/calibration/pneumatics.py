@@ -33,11 +33,15 @@ _CASCADE: Final = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.
 
 _LATE: Final = 0.7
 """Phase that dead time takes of the position loop of that cascade, rad, beyond which its integrals
-are ahead of the air: at rest they throw the ring."""
+are ahead of the air: at rest they throw a ring that seals do not hold."""
 
-_CALM: Final = 0.1
-"""Share of the integral of a cascade for late regulators. What holds a falling ring is the rest:
-with 0.7 of its other gains it falls more often."""
+_STICKY: Final = 1.2
+"""Breakaway over Coulomb friction of seals that hold it, and need these integrals to let go: 1.46
+of standard ones, 1.04 of low-speed ones."""
+
+_CALM: Final = 0.3
+"""Share of the profile's own integral where they do not. What holds a falling ring are the other
+gains: with 0.7 of them it falls more often."""
 
 _GENTLE_PRESSURE: Final = 120e3
 """Greatest base pressure under which a ring that leans is moved, Pa gauge.
@@ -219,14 +223,15 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         the ring gets away from it. A PID would push a ring that sticks until it flies off.
 
         Whatever the profile's cascade is tuned for, on quick regulators this is the one for
-        standard seals, with the profile's gains where they are lower. Regulators with a dead time
-        do not bear its integrals: there all gains are the profile's, with a part of its integral.
-        So they are on valves, whose pressures follow at once and would shake. It heeds no camera,
-        which may not be calibrated yet, and shakes nothing: that would change the friction.
+        standard seals, with the profile's gains where they are lower. Behind a dead time its
+        integrals throw a ring that low-speed seals hold no better at rest than in motion: there all
+        gains are the profile's, with a part of its integral. So they are on valves, whose pressures
+        follow at once and would shake. It heeds no camera, which may not be calibrated yet, and
+        shakes nothing: that would change the friction.
         """
         usual = self.profile.controllers["cascade"]
         standard, gains = usual, dict(_CASCADE)
-        if self._late:
+        if self._falls:
             gains = {"integral": _CALM * usual.pair.integral}
         elif self.settings.valves is None:
             standard = dataclasses.replace(
@@ -242,15 +247,16 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         return profile_with(profile, {**changes, "controllers.cascade.learning": None}), "cascade"
 
     def with_placing_controller(self) -> tuple[Profile, str]:
-        """See `Pneumatics.with_placing_controller`; behind a dead time a PID lets the ring fall."""
-        return self.with_gentle_controller() if self._late else super().with_placing_controller()
+        """See `Pneumatics.with_placing_controller`; a PID lets a ring fall that nothing holds."""
+        return self.with_gentle_controller() if self._falls else super().with_placing_controller()
 
     @property
-    def _late(self) -> bool:
-        """Whether the regulators are too late for the cascade for standard seals."""
-        response = self.settings.regulator_response
+    def _falls(self) -> bool:
+        """Whether the cascade for standard seals throws the ring: late air, and little friction."""
+        response, friction = self.settings.regulator_response, self.settings.friction
         air = max(response.dead_time - response.monitor_time, 0.0)
-        return self.settings.valves is None and air * _CASCADE["position_rate"] > _LATE
+        late = self.settings.valves is None and air * _CASCADE["position_rate"] > _LATE
+        return late and friction.breakaway < _STICKY * friction.coulomb
 
     def reach(self, share: float) -> float:
         """See `Pneumatics.reach`."""
