@@ -126,8 +126,8 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
 
 def _draw_rates(axes: "Axes", run: RunData) -> None:
     t = run.time
-    for bound in (-1.0, 1.0):
-        axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+    for bound, label in ((-1.0, "_"), (1.0, "limit")):
+        axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)), label=label)
     limits = run.settings["geometry"]["rate_limits"]
     for joint, limit, color in zip(JOINTS, limits, PALETTE, strict=True):
         rate = run.trace(f"command.velocity_{joint}")

@@ -76,6 +76,7 @@ def _draw_fit(axes: "Axes", run: RunData, window: Window) -> None:
         axes.plot(_SHIFTS * 1e3, np.array(gaps) * 1e6, color=color)
         axes.plot([], [], color=color, label=f"{label}: {found * 1e3:+.2f} ms")
         axes.axvline(found * 1e3, color=color, lw=0.6, ls=(0, (4, 2)))
+    axes.plot([], [], color=INK, lw=0.6, ls=(0, (4, 2)), label="estimate")
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("latency beyond the calibrated (ms)")
     axes.set_title(window.segment.name, loc="left")

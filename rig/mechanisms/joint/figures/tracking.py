@@ -165,14 +165,16 @@ def draw_tensions(run: RunData) -> "Figure | None":
     t = run.time
     for name, color in zip(CHANNELS, PALETTE, strict=False):
         draw_line(axes, t, run.trace(f"{source}.tension_{name}"), color, name, lw=0.7)
+    label = "bound"
     for metric in run.metrics:
         bound = metric.get("bound")
         if bound and metric.get("measure") in ("tension_min", "tension_max"):
-            axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+            axes.axhline(bound, color=INK, lw=0.8, ls=(0, (5, 2)), label=label)
+            label = "_"
     finish_time_axis(axes, t, "tension (N)")
     axes.set_ylim(bottom=0.0)
     shade_segments(axes, PAGE * 0.7, [_brief(segment) for segment in _whole(run)])
-    place_legend(axes, 4)
+    place_legend(axes, 5)
     if has_stick:
         _draw_sticking(figure.add_subplot(grid[0, 3]), run)
     return figure

@@ -88,6 +88,7 @@ def draw_rates(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 92.0)
     strips = panels(figure, 3, 2, sharex=True)
     t = run.time
+    has_limits = False
     for column, joints in enumerate(_ROWS):
         for row, joint in enumerate(joints):
             axes: Axes = strips[2 * row + column]
@@ -104,7 +105,10 @@ def draw_rates(run: RunData) -> "Figure | None":
             if most > 0.5 * limit:
                 for bound in (-limit, limit):
                     axes.axhline(bound, color=INK, lw=0.8, ls=(0, (4, 2)))
-    place_legend(strips[0], 2)
+                has_limits = True
+    if has_limits:
+        strips[0].plot([], [], color=INK, lw=0.8, ls=(0, (4, 2)), label="limit")
+    place_legend(strips[0], 3)
     for axes in strips[-2:]:
         axes.set_xlabel(TIME_LABEL)
     figure.align_ylabels()

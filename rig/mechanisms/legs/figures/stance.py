@@ -58,9 +58,12 @@ def draw_balance(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 72.0)
     ground, over_time = panels(figure, 1, 2, width_ratios=[1.15, 1.0])
     for leg, prints in landings(run).items():
-        for _, sample in prints:
+        for number, (_, sample) in enumerate(prints):
             corners = sole_outline(run, leg, sample) * 1e3
-            ground.fill(*corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8)
+            ground.fill(
+                *corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8,
+                label="_" if number else f"{leg} foot",
+            )  # fmt: skip
     for name, color, width, label in (
         ("plan.zero_moment", _PALE, 2.4, "zero-moment point"),
         ("plan.mass", INK, 0.9, "centre of mass"),
@@ -68,13 +71,13 @@ def draw_balance(run: RunData) -> "Figure | None":
         a, b = (run.trace(f"{name}_{axis}") * 1e3 for axis in "xy")
         ground.plot(a, b, color=color, lw=width, label=label)
         if name == "plan.mass":
-            ground.plot(a[0], b[0], "o", ms=3.0, color=INK)
-            ground.plot(a[-1], b[-1], "s", ms=3.0, color=INK)
+            ground.plot(a[0], b[0], "o", ms=3.0, color=INK, ls="", label="start")
+            ground.plot(a[-1], b[-1], "s", ms=3.0, color=INK, ls="", label="end")
     ground.set_aspect("equal")
     ground.autoscale_view()
     ground.set_xlabel("x (mm)")
     ground.set_ylabel("y (mm)")
-    place_legend(ground, 2)
+    place_legend(ground, 3)
     t = run.time
     for name, color, width, label in (
         ("plan.margin", _PALE, 2.4, "with zero-moment point"),
