@@ -68,6 +68,7 @@ def commission(rig: str, **options: Any) -> int:
     from rig.commissioning.site import Site
     from rig.config import load_profile
     from rig.config.names import find_configs
+    from rig.experiment.ending import EXIT_INTERRUPTED
     from rig.hal import ConfigurationError
     from rig.hal.files import check_writable
 
@@ -98,16 +99,19 @@ def commission(rig: str, **options: Any) -> int:
     )  # fmt: skip
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
-    stopped = commission_rig(
-        site, record, steps, search[0], lambda text: click.echo(text, err=True)
-    )
+    again = f"rig commission {profile.argument} --on {on}"
+    try:
+        stopped = commission_rig(
+            site, record, steps, search[0], lambda text: click.echo(text, err=True)
+        )
+    except KeyboardInterrupt:
+        click.echo(f"interrupted; what has passed is kept, go on with: {again}", err=True)
+        return EXIT_INTERRUPTED
     if options["as_json"]:
         print_data(json.dumps(record, indent=2, ensure_ascii=False, default=str))
     if stopped is not None:
         click.echo(f"stopped at {stopped}", err=True)
-        click.echo(
-            f"mend it, and go on with: rig commission {profile.argument} --on {on}", err=True
-        )
+        click.echo(f"mend it, and go on with: {again}", err=True)
         return EXIT_FAILED
     click.echo(f"commissioned, digest {record['digest']}: {search[0]}/commissioning", err=True)
     if backend is Backend.HARDWARE:

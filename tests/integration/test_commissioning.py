@@ -1,5 +1,8 @@
 """The acceptance test: healthy rigs pass, and each planted defect is found where it has to be."""
 
+import shutil
+from types import SimpleNamespace
+
 import pytest
 from planted import EARLIER, PLANTED, drawn_unit, no_dump_valve, rig_with
 
@@ -9,6 +12,7 @@ from rig.commissioning.operator import SimulatedOperator
 from rig.commissioning.session import CommissioningFacts, begin, commission, steps_of
 from rig.commissioning.site import Site
 from rig.config import find_configs, load_profile
+from rig.run_facts import RunStatus
 
 ENOUGH = {"pressure": 20e3, "way": 1e-3}
 
@@ -91,3 +95,25 @@ def test_answers_that_are_none_are_refused_before_anything_is_opened(tmp_path, c
     file.write_text("- pressed\n")
     assert invoke(["commission", "cylinder", "--dry-run", "--answers", str(file)]) == 2
     assert "answers.yaml has no keys and answers" in capsys.readouterr().err
+
+
+def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, capsys, monkeypatch):
+    configs = tmp_path / "configs"
+    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    steps = [s for s in steps_of(unit("cylinder", 1)) if s.name in ("bus", "first-motion")]
+    monkeypatch.setattr("rig.commissioning.session.steps_of", lambda _: steps)
+    words = ["commission", "cylinder", "--configs", str(configs), "--out", str(tmp_path / "runs")]
+    # As Ctrl-C while it is connected or moves: the run ends in order, and says so.
+    with monkeypatch.context() as pressed:
+        aborted = SimpleNamespace(exit_code=130, status=RunStatus.ABORTED, message="interrupted")
+        pressed.setattr("rig.commissioning.steps.motion.run_experiment", lambda *_, **__: aborted)
+        assert invoke(words) == 130
+    told = capsys.readouterr().err
+    assert "FAILED" not in told
+    assert told.endswith(
+        "interrupted; what has passed is kept, go on with: rig commission "
+        f"{configs / 'rigs' / 'cylinder.yaml'} --on virtual\n"
+    )
+    assert invoke(words) == 0
+    told = capsys.readouterr().err
+    assert "1/2 bus" not in told and "2/2 first-motion" in told

@@ -12,6 +12,7 @@ from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.commissioning.steps.under_load import judge_load
 from rig.config import Experiment, Profile, ReferenceEntry, format_quantity
+from rig.experiment.ending import EXIT_INTERRUPTED
 from rig.experiment.plan import Plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -124,6 +125,8 @@ class FirstMotion(AcceptanceStep):
             self._plan(site), rig.backend, site.out, on=site.on, report=False,
             heed_calibrations=False, watcher=_Prepares(partial(self._prepare, site)),
         )  # fmt: skip
+        if result.exit_code == EXIT_INTERRUPTED:  # which says nothing about the rig
+            raise KeyboardInterrupt
         if result.status is not RunStatus.OK:
             raise Defect("first motion", f"{result.status}: {result.message}{_TUNED}")
         log = read_log(result.path / "log.mcap")
