@@ -2,7 +2,9 @@
 
 import hashlib
 import sys
-from importlib.metadata import EntryPoint, entry_points, packages_distributions, version
+from collections import defaultdict
+from functools import cache
+from importlib.metadata import EntryPoint, distributions, entry_points, version
 from pathlib import Path
 from types import ModuleType
 from typing import Final, TypedDict
@@ -67,10 +69,26 @@ def _imported() -> dict[str, _Told]:
 
 def _distribution_of(package: str) -> _Told:
     try:
-        (name,) = set(packages_distributions().get(package, ()))
+        (name,) = set().union(*(_distributions_in(entry).get(package, ()) for entry in sys.path))
         return name, version(name)
     except Exception:  # of none, of several, or of one whose files are damaged
         return None, None
+
+
+@cache
+def _distributions_in(entry: str) -> dict[str, set[str]]:
+    """Return the distributions of every package below an entry of `sys.path`.
+
+    Looked up once, as it takes as long as a short run: what is installed does not change while a
+    program runs.
+    """
+    found: dict[str, set[str]] = defaultdict(set)
+    for distribution in distributions(path=[entry]):
+        declared = (distribution.read_text("top_level.txt") or "").split()
+        listed = {file.parts[0].removesuffix(".py") for file in distribution.files or ()}
+        for package in declared or listed:
+            found[package].add(distribution.name)
+    return found
 
 
 def _points() -> list[EntryPoint]:

@@ -61,3 +61,42 @@ def test_compiled_files_are_not(package):
 def test_what_was_not_imported_is_not_named(package, monkeypatch):
     monkeypatch.delitem(sys.modules, "their_rig")
     assert plug_ins.plug_ins() == {}
+
+
+def installed_in(folder, name, **files):
+    info = folder / f"{name.replace('-', '_')}-1.5.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.5\n")
+    for file, content in files.items():
+        (info / {"top_level": "top_level.txt", "record": "RECORD"}[file]).write_text(content)
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        {"top_level": "led_to\n"},
+        {"record": "led_to/__init__.py,,\nled_to/more.py,,\n"},
+        {"record": "led_to.py,,\n"},
+    ],
+    ids=["declared", "a package", "a module"],
+)
+def test_what_a_row_led_to_is_named_by_its_distribution(tmp_path, monkeypatch, files):
+    installed_in(tmp_path / "site", "their-more", **files)
+    installed_in(tmp_path / "site", "nobody-s", record="another/__init__.py,,\n")
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    module = ModuleType("led_to")
+    module.__file__ = str(tmp_path / "led_to.py")
+    (tmp_path / "led_to.py").write_text("")
+    monkeypatch.setitem(sys.modules, "led_to", module)
+    plug_ins.note_import("led_to.parts")
+    told = plug_ins.plug_ins()["led_to"]
+    assert (told["distribution"], told["version"]) == ("their-more", "1.5")
+
+
+def test_what_two_distributions_have_is_of_neither(tmp_path, monkeypatch):
+    for name in ("one", "other"):
+        installed_in(tmp_path / name, name, top_level="led_to")
+        monkeypatch.syspath_prepend(tmp_path / name)
+    monkeypatch.setitem(sys.modules, "led_to", ModuleType("led_to"))
+    plug_ins.note_import("led_to")
+    assert plug_ins._imported()["led_to"] == (None, None)
