@@ -15,8 +15,8 @@ HALF_PERIOD = 1.0
 """Within this time of the sine each chamber's setpoint has moved both ways, s: a regulator that is
 stuck or slow does as it should until then."""
 WITHIN = {
-    "tube-off": 0.15,  # the monitor, at the other end of the tube, shows nothing of it
-    "narrow-tube-off": 0.2,
+    "tube-off": 0.35,  # the monitor, at the other end of the tube, shows nothing of it: where the
+    "narrow-tube-off": 0.35,  # pair does not run off, it stays off its reference for 0.3 s first
     "slow": 2.0 * HALF_PERIOD,  # one of a bit more than half of the speed, while the pair sticks
     "monitor-off": 0.15,
     "stuck-held": HALF_PERIOD,

@@ -41,6 +41,8 @@ _BETWEEN = 7
 """Of so many cycles of a reference one is looked at between them, too …"""
 _SHARE = 0.382
 """… after this share of the period, which divides none."""
+_STILL = 0.25
+"""While its chambers fill, a pair may move by this share of its range at most."""
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -319,7 +321,8 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
 
     def check_still(self, home: PairReference) -> None:
         """See `Mechanism.check_still`."""
-        self._tracking.check_still((home.position,), (self._position,))
+        most = _STILL * (self._upper - self._lower)
+        self._tracking.check_still((home.position,), (self._position,), most)
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

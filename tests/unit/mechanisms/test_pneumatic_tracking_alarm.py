@@ -352,3 +352,9 @@ def test_nothing_moves_while_chambers_fill(sign):
         watched.check_still(home, (home[0] + 2.0 * bound, home[1]))
     assert told.value.value == pytest.approx(2.0 * bound)
     watched.check_still((0.0, 0.0), (bound, -bound))
+    # A procedure that follows nothing has a bound of its own.
+    watched.check_still((0.0, 0.0), (bound, -bound), most=2.0 * FOLLOWING)
+    watched.check_still((0.0, 0.0), (0.5 * bound, 0.0), most=0.5 * FOLLOWING)
+    with pytest.raises(LimitExceeded) as told:
+        watched.check_still((0.0, 0.0), (0.51 * bound, 0.0), most=0.5 * FOLLOWING)
+    assert (told.value.lower, told.value.upper) == (-0.5 * FOLLOWING, 0.5 * FOLLOWING)

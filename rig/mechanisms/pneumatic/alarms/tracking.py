@@ -225,15 +225,25 @@ class TrackingWatch:
                     "either side]"
                 )
 
-    def check_still(self, wanted: Sequence[float], measured: Sequence[float]) -> None:
+    def check_still(
+        self, wanted: Sequence[float], measured: Sequence[float], most: float = math.inf
+    ) -> None:
         """Raise if a rod moves while the chambers fill, and nothing is controlled.
+
+        Parameters
+        ----------
+        wanted, measured : sequence of float
+            Positions, m.
+        most : float
+            How far one may move in any case, m: a procedure that looks for friction follows
+            nothing, and has a rod stray as far as it likes.
 
         Raises
         ------
         LimitExceeded
-            It is farther off than a rod may be that follows.
+            It is farther off than that, or than a rod may be that follows.
         """
-        following = self._following
+        following = min(self._following, most)
         for name, goal, here in zip(self._names, wanted, measured, strict=True):
             if not -following <= here - goal <= following:
                 what = f"way of {name} while its chamber fills"
