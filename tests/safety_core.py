@@ -36,6 +36,7 @@ SAFETY_CORE = {
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
         "mechanisms/test_pneumatic_pressure_alarm.py",
+        "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
     "rig/mechanisms/pneumatic/alarms/dead_time.py": ("mechanisms/test_pneumatic_dead_time.py",),

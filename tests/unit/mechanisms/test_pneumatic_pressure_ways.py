@@ -69,3 +69,19 @@ def test_what_goes_far_its_own_way_does_not_follow():
         ways.note(1e-3 * k, (300.0 * k,), (10e3 * math.sin(0.2 * math.pi * k),))
     assert ways.share_gone(0, 1e3) > 1.0
     assert abs(ways.follows(0, 1e3)) < 0.3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_comes_late_is_where_a_healthy_one_has_been_and_not_beyond(seed):
+    rng = np.random.default_rng([seed, 3])
+    ways = PressureWays(0.05)
+    healthy = rng.normal(150e3, 40e3, (200, 2))
+    for k, row in enumerate(healthy):
+        ways.note(1e-3 * k, (healthy[max(k - 20, 0)][0], rng.normal(150e3, 90e3)), tuple(row))
+    low, high = healthy[-51:, 0].min(), healthy[-51:, 0].max()
+    assert ways.beyond(0) == 0.0
+    for far in rng.uniform(1.0, 90e3, 4):
+        for shown, wanted in ((high + far, far), (low - far, far), (high, 0.0), (low, 0.0)):
+            ways.note(0.2, (shown, 0.0), (150e3, 0.0))
+            assert ways.beyond(0) == pytest.approx(wanted, abs=1e-6)
+            ways._past.pop()

@@ -264,10 +264,8 @@ class PressureWatch:
         least = _LEAST_LAG * self._bounds.loop
         if self._ways.share_gone(k, least) < _STAYS:
             return f"{self._explain()}, or it is slow"
-        lag = abs(channel.slow - channel.expected)
-        if channel.slowness(self._bounds) > channel.most_slow(self._bounds) and (
-            abs(channel.off) <= self._bounds.deviation + lag
-        ):
+        comes_late = self._ways.beyond(k) <= self._bounds.deviation
+        if comes_late and channel.slowness(self._bounds) > channel.most_slow(self._bounds):
             return f"the {part} of {name} is slow, or answers late"
         if abs(channel.off) > self._bounds.deviation:
             return f"{self._explain()}, or it is slow"

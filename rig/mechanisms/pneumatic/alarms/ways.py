@@ -58,6 +58,15 @@ class PressureWays:
         along = sum(one * (other - middle) for one, other in zip(shown, healthy, strict=True))
         return along / (len(healthy) * size * size)
 
+    def beyond(self, k: int) -> float:
+        """Return how far one pressure is now above or below all that a healthy one had, Pa, or 0.
+
+        One that comes late is where a healthy one has been.
+        """
+        healthy = [row[k] for _, _, row in self._past]
+        now = self._past[-1][1][k]
+        return max(now - max(healthy), min(healthy) - now, 0.0)
+
 
 def _rms(values: list[float]) -> float:
     middle = sum(values) / len(values)
