@@ -27,7 +27,7 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     file = configs / "calibration" / "cylinder" / "cylinder.yaml"
     assert calibrate(configs, "response", "--dry-run") == 0
     shown = capsys.readouterr().err
-    assert "chamber 1: set-points 200 kPa … 240 kPa" in shown
+    assert "chamber 1: set-points 95 kPa … 135 kPa" in shown
     assert "limits.position -20 mm … 20 mm" in shown
     assert not file.exists()
     assert not (configs.parent / "runs").exists()

@@ -23,9 +23,10 @@ from rig.hal.motion import Segment
 _BROKEN: Final = 0.3e-3
 """A pair that is so far from where it stood has broken away, m: ten times what seals give."""
 
-_AHEAD: Final = 0.11
-"""By how much the force that was sent is ahead of the chambers', and a pair that has broken away
-wants less, s of its rise."""
+_LESS: Final = 0.17
+"""A pair that has broken away wants less force than was sent, by this share of it: what was sent is
+ahead of the chambers', and seals that slide take less. Whose seals take little would stop at once
+for as much as others need."""
 
 _STUCK: Final = (0.05, 0.1e-3)
 """A pair that has moved by less than so much (m) in such a time (s) has stopped."""
@@ -82,7 +83,8 @@ class Glides:
     longest : float
         Time after which a glide is over, s.
     stiffness : float
-        Of the spring, N/m.
+        Of the spring, N/m. Regulators that are T late make a spring push where the pair slides, by
+        its stiffness times T over the speed: 12 N s/m for 40 ms, of 18 that the least seals take.
     rate : float
         Of the force until the pair breaks away, N/s.
     most : float
@@ -97,7 +99,7 @@ class Glides:
     slowest: Annotated[float, Unit("m/s"), Gt(0)] = 0.010
     slowing: Annotated[float, Unit("s"), Gt(0)] = 0.45
     longest: Annotated[float, Unit("s"), Gt(0)] = 1.6
-    stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 500.0
+    stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 300.0
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 30.0
     move: Annotated[float, Unit("s"), Gt(0)] = 1.4
@@ -222,7 +224,7 @@ class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
             if force > settings.most:
                 return
             yield force
-        began, first, at_first = self.t, way, force - _AHEAD * settings.rate
+        began, first, at_first = self.t, way, (1.0 - _LESS) * force
         looked, was = began, first
         yield force
         while True:
