@@ -66,6 +66,13 @@ def test_what_is_not_high_in_the_mean_does_not_fill_faster(mean, words):
     assert words in swung(1.0, 1, mean=mean)[1]
 
 
+@pytest.mark.parametrize(("mean", "leaks"), [(1.0, False), (0.0, False), (-1.0, True)])
+def test_only_what_is_low_in_the_mean_may_leak(mean, leaks):
+    said = swung(1.0, 1, mean=mean)[1]
+    assert ANY in said
+    assert ("its chamber leaks" in said) is leaks
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_what_is_far_off_is_stuck_however_it_moved(sign):
     """A pressure that rises to the supply's goes a long way too."""

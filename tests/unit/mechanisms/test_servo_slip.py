@@ -38,4 +38,4 @@ def test_what_slips_before_the_last_drive_holds_is_seen_in_the_cycle_in_which_it
 
 
 def test_before_the_first_cycle_nothing_has_slipped():
-    assert not moved(ServoBench(), "a", 1.0)
+    assert moved(ServoBench(), "a", 1.0) is False

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from rig.hal import LimitExceeded, SafetyError
+from rig.mechanisms.pneumatic.alarms.rests import RodRests
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 
 _HELD = 0.05
@@ -18,15 +19,6 @@ _DUE = 1.5
 """A swing that goes on has turned round again within so many times what it took before."""
 _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
-
-
-_STILL = 30e-6
-_STILL_FOR = 0.02
-"""A rod that goes no farther (m) within this time (s) stands: bristles and wire give by less."""
-_OF_LATE = 1.0
-"""Time over which a rod's standing is averaged, s."""
-_MOSTLY = 0.5
-"""Share of it that a rod stands that sticks. A swing of 3 mm in 2 s is as slow for a fifth."""
 
 _STICKS = (
     "it sticks, with more friction than the profile says, or is held: "
@@ -115,40 +107,6 @@ class _Swings:
         return 0.5 * (len(turned) - 1) / (turned[-1][1] - turned[0][1])
 
 
-class _Rests:
-    """The share of the time that one rod has stood of late, as one does that sticks and slips."""
-
-    def __init__(self) -> None:
-        self._place, self._since, self._before = math.inf, math.nan, math.nan
-        self._stood = self._passed = 0.0
-        self._stands = False
-
-    def update(self, place: float, now: float) -> None:
-        """Take a place, m."""
-        passed, self._before = now - self._before, now
-        if abs(place - self._place) > _STILL:
-            self._place, self._since, self._stands = place, now, False
-        if not passed > 0.0:
-            return  # the first cycle
-        fades = math.exp(-passed / _OF_LATE)
-        self._stood, self._passed = fades * self._stood, fades * self._passed + passed
-        if self._stands:
-            self._stood += passed
-        elif now - self._since > _STILL_FOR:
-            self._stood += now - self._since
-            self._stands = True
-
-    @property
-    def share(self) -> float:
-        """Of the time that it stood."""
-        return self._stood / self._passed if self._passed > 0.0 else 0.0
-
-    @property
-    def sticks(self) -> bool:
-        """Whether it has stood for most of the time."""
-        return self.share > _MOSTLY
-
-
 class TrackingWatch:
     """Checks how rods follow where they should be while a controller moves them.
 
@@ -172,7 +130,7 @@ class TrackingWatch:
         """Forget the past: nothing was controlled."""
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed_at: list[float | None] = [None] * len(self._names)
-        self._rests = [_Rests() for _ in self._names]
+        self._rests = [RodRests() for _ in self._names]
 
     def check(
         self,
