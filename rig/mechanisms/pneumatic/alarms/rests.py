@@ -7,7 +7,7 @@ _STILL: Final = 30e-6
 _STILL_FOR: Final = 0.02
 """A rod that goes no farther (m) within this time (s) stands: bristles and wire give by less."""
 _MOSTLY: Final = 0.5
-"""Share of the time that a rod stands that sticks. A swing of 3 mm in 2 s is as slow for a fifth."""
+"""Share of the time that a rod stands that sticks. A swing of 3 mm in 2 s stands for a fifth."""
 
 
 class RodRests:
