@@ -79,7 +79,7 @@ def test_check_shows_an_experiment_and_its_bounds(capsys):
     frozen = experiment["frozen"]
     assert frozen["device"] == {"device": "regulators", "after": 0.03}
     assert frozen["what"] == "position"
-    assert frozen["device"]["after"] < frozen["longest"] < 0.1
+    assert frozen["device"]["after"] < frozen["longest"] < 0.2
 
 
 def test_check_tells_people_what_happens_if_the_program_dies(capsys):

@@ -42,8 +42,8 @@ def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("experiment", "declared", "words"),
     [
-        ("cylinder-sine", [], ("limits.stop_energy is not declared", "with up to 0.357 J")),
-        ("cylinder-sine", ["cylinder.limits.stop_energy=0.2 J"], ("limits.stop_energy is 0.2 J",)),
+        ("cylinder-sine", [], ("limits.stop_energy is not declared", "with up to 0.182 J")),
+        ("cylinder-sine", ["cylinder.limits.stop_energy=0.1 J"], ("limits.stop_energy is 0.1 J",)),
         ("joint-ideal-circle", [], ("limits.stop_energy is not declared", "1.5 J", "496 kPa")),
         (
             "joint-ideal-circle",

@@ -25,7 +25,7 @@ BRIEF = (
     "--set", "reference.dwell=0.3 s", "--set", "reference.rise=0 s",
     "--set", "reference.size=1 mm", "--set", "approach=0.5 s", "--set", "metrics={}",
 )  # fmt: skip
-SLOW = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
+SLOW = ("buses.can0.heartbeat=100 ms", "buses.can0.heartbeat_timeout=300 ms")
 
 
 @pytest.fixture
@@ -181,7 +181,7 @@ def test_nobody_is_asked_about_a_rig_that_is_refused_anyway(
     if lacks == "stop":
         words, options = "limits.stop_energy is not declared", ()
     else:
-        words = "keeps its setpoints for 150 ms"
+        words = "keeps its setpoints for 300 ms"
         brisk = "reference.tones=[{frequency: 1 Hz, periods: 3}]"
         late = [*SLOW, brisk, "reference.amplitude=10 mm", "metrics={}"]
         options = (*STOP, *(word for option in late for word in ("--set", option)))

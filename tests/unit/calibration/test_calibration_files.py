@@ -70,9 +70,9 @@ def test_a_mechanism_is_calibrated_like_a_device(configs):
     store.write(configs, "cylinder", "cylinder", content)
     profile = load(configs)
     assert profile.mechanism_settings.friction.coulomb == 9.1
-    assert profile.nominal_settings.friction.coulomb == 13.4
+    assert profile.nominal_settings.friction.coulomb == 9.5
     assert profile.mechanism_settings.friction.viscous == 50.0
-    assert load(configs, "calibration=false").mechanism_settings.friction.coulomb == 13.4
+    assert load(configs, "calibration=false").mechanism_settings.friction.coulomb == 9.5
 
 
 def test_a_resolved_profile_still_knows_what_was_before(configs, tmp_path):

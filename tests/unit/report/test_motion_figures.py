@@ -114,7 +114,7 @@ def test_each_wire_of_a_circle_is_a_sine(run_of):
 
 
 def test_steps_are_marked_where_the_measures_say(run_of):
-    run = run_of("cylinder-step", "reference.repeats=1")
+    run = run_of("cylinder-ideal-step", "reference.repeats=1")
     (axes,) = drawn(draw_steps, run).axes
     named = [label for label in lines(axes) if label.startswith("step")]
     assert len(named) == 2
