@@ -368,7 +368,7 @@ def test_on_hardware_a_gain_changes_while_somebody_holds_on_and_no_longer(tmp_pa
             time.sleep(1.0)
             assert run.gains.changed == {}  # nobody holds on
             press(page, "#hold")
-            sync_api.expect(page.locator("#gain-said")).to_have_text(re.compile("113.4 -> 200"))
+            sync_api.expect(page.locator("#gain-said")).to_have_text(re.compile("114.7 -> 200"))
             time.sleep(1.0)
             assert run.gains.changed == {"position_rate": 200.0}
             page.mouse.up()
