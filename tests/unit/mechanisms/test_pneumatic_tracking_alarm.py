@@ -81,7 +81,8 @@ def test_a_rod_that_stands_and_jumps_is_said_to_stick(seed):
     assert float(said[1]) == pytest.approx(frequency, rel=0.1, abs=0.06)
     # A cosine goes 30 um at its ends in a small part of its way.
     assert float(said[2]) == pytest.approx(100.0 * (1.0 - slips), abs=15.0)
-    assert "`rig calibrate` friction" in str(found[1])
+    assert "regulators are slower" in str(found[1])
+    assert "`rig calibrate` measures friction and response" in str(found[1])
 
 
 def test_what_stands_off_its_reference_is_said_to_stick_and_what_runs_away_is_not():

@@ -225,8 +225,9 @@ class TrackingWatch:
             return (
                 f"{self._names[k]} sticks and slips at {frequency:.1f} Hz, {size:.2g} mm peak to "
                 f"peak, about its reference, and stands for {100.0 * rests.share:.0f} % of the "
-                "time: its friction is more than the profile says, or more than its gains bear; "
-                "`rig calibrate` friction measures it, then `rig tune` looks for gains"
+                "time: its friction is more than the profile says, its regulators are slower, or "
+                "its gains bear neither; `rig calibrate` measures friction and response, then "
+                "`rig tune` looks for gains"
             )
         return (
             f"{self._names[k]} oscillates at {frequency:.1f} Hz, {size:.2g} mm peak to peak, about "
