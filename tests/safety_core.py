@@ -51,6 +51,7 @@ SAFETY_CORE = {
         "mechanisms/test_controller_commands.py",
     ),
     "rig/mechanisms/cylinder/watch.py": (
+        "mechanisms/test_cylinder_causes.py",
         "mechanisms/test_cylinder_limits.py",
         "mechanisms/test_cylinder_watch.py",
     ),

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import random
+import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -347,9 +348,13 @@ def plight_of(
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:
-    """Return whether the operator was told that this chamber is not safe: no false promise."""
+    """Return whether the operator was told that this chamber is not safe: no false promise.
+
+    Or what it held when it was last heard of, and that nobody knows since.
+    """
     _, _, channel = violation.column.partition("_")
-    return violation.hazard == ENERGY_LEFT and f"{channel} still holds" in told
+    said = rf"(?<!\w){re.escape(channel)} (still holds|held) "  # antagonist is not agonist
+    return violation.hazard == ENERGY_LEFT and re.search(said, told) is not None
 
 
 def _lead_in() -> float:

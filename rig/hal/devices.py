@@ -146,14 +146,15 @@ def device_column(device: str, quantity: str, unit: str, description: str) -> Co
 def _not_vented(
     name: str, channels: tuple[str, ...], reading: Reading[Vector], safe: Vector, now: float
 ) -> str:
-    """Return which chambers hold more than they should (Pa gauge); empty: none is known to."""
+    """Return which chambers hold, or may hold, more than they should (Pa gauge); empty: none."""
     pressures, t = reading
+    old = _not_fresh(name, now - t)
     full = ", ".join(
-        f"{channel} still holds {pressure / 1e3:.1f} kPa"
+        f"{channel} {'held' if old else 'still holds'} {pressure / 1e3:.1f} kPa"
         for channel, pressure, most in zip(channels, pressures, safe, strict=True)
-        if pressure - most > _VENTED
+        if old or pressure - most > _VENTED
     )
-    return _not_fresh(name, now - t) or (f"{name}: {full}" if full else "")
+    return f"{old}: then {full}" if old else f"{name}: {full}" if full else ""
 
 
 class PressureRegulator(Device, Protocol):

@@ -1,6 +1,7 @@
 """A rig is safe when its monitors say so: air that stays behind a regulator is named and told."""
 
 import random
+import re
 from functools import cache
 from pathlib import Path
 
@@ -122,6 +123,8 @@ def test_what_does_not_answer_is_not_known_to_be_safe(tmp_path, monkeypatch, bac
     assert result.exit_code == 4
     (event,) = unsafe
     assert "regulators: not known to be safe, its last reading is 1.0" in event["message"]
+    for channel in CHANNELS["cylinder"]:
+        assert re.search(rf"{channel} held \d+\.\d kPa", event["message"])
 
 
 @pytest.mark.parametrize("name", ["cylinder", "joint"])

@@ -6,8 +6,9 @@ import random
 import numpy as np
 import pytest
 
-from rig.faults.oracle import judge
-from rig.hal.hazards import Hazard
+from rig.faults.oracle import Violation, judge
+from rig.faults.performance import _is_confessed
+from rig.hal.hazards import ENERGY_LEFT, Hazard
 
 COLUMNS = ("a", "b", "c")
 
@@ -87,3 +88,19 @@ def test_what_comes_after_a_forgiven_end_is_not_judged(seed):
     whole = judge(hazards, COLUMNS, times, rows, safe_from=0.0)
     after = np.any(np.abs(rows[:, 1]) > 1.5)
     assert [violation.hazard for violation in whole] == ["fall", *["rate"] * int(after)]
+
+
+@pytest.mark.parametrize(
+    ("told", "confessed"),
+    [
+        ("regulators: agonist still holds 46.7 kPa", True),
+        ("regulators: antagonist still holds 46.7 kPa", False),  # which is another chamber
+        ("not known to be safe, its last reading is 1 s old: then agonist held 46.7 kPa", True),
+        ("not known to be safe, its last reading is 1 s old", False),
+        ("made safe", False),
+    ],
+)
+def test_a_chamber_that_was_told_of_is_no_false_promise(told, confessed):
+    left = Violation(ENERGY_LEFT, "pressure_agonist", 1.0, 46.7e3, 20e3, "Pa")
+    assert _is_confessed(left, told) is confessed
+    assert not _is_confessed(left._replace(hazard="speed"), told)

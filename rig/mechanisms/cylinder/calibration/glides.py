@@ -83,8 +83,8 @@ class Glides:
     longest : float
         Time after which a glide is over, s.
     stiffness : float
-        Of the spring, N/m. Regulators that are T late make a spring push where the pair slides, by
-        its stiffness times T over the speed: 12 N s/m for 40 ms, of 18 that the least seals take.
+        Of the spring, N/m. Behind regulators that are T late it takes damping from the pair, its
+        stiffness times T: 12 N s/m for 40 ms, where the seals that damp least have 18.
     rate : float
         Of the force until the pair breaks away, N/s.
     most : float

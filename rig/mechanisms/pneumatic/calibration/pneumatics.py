@@ -128,7 +128,10 @@ class Pneumatics(ABC, Generic[Reference, Command]):
         """Return the profile with a controller that is at rest at its place, and its name."""
 
     def with_placing_controller(self) -> tuple[Profile, str]:
-        """Return the profile with a controller that takes rods to a caliper, and its name."""
+        """Return the profile with a controller that takes rods to a caliper, and its name.
+
+        Default: a PID, which knows nothing of wires that rods are calibrated against.
+        """
         return self.profile, "pid"
 
     @abstractmethod

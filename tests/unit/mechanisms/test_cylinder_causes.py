@@ -1,0 +1,326 @@
+"""Why the rods of a pair do what they do: a wire, a push, a chamber, a mirrored encoder."""
+
+import math
+
+import numpy as np
+import pytest
+from cylinder_rods import CHANGE, NAMES, WIDE, Rods
+from pneumatic_fakes import (
+    BASE,
+    HOME,
+    MISMATCH,
+    PERIOD,
+    REACH,
+    SPEED,
+    TINY,
+    PairBench,
+    pair_settings,
+)
+
+from controllers.cylinder.types import PairState
+from rig.hal import DeviceFault, LimitExceeded, SafetyError
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
+
+# A wire that lets go --------------------------------------------------------------------------
+
+FAST = LimitExceeded("speed of the pair", 1.0, -SPEED, SPEED, "m/s")
+WAY = 0.3 * SPEED * PERIOD * 2.0 * (1.0 + 1e-9)
+"""By so much a rod runs in, in the last cycles."""
+
+
+def run(*ways, before=9, pressures=(BASE, BASE)):
+    """Return what is said of rods that stood, and ran in by this much (m) in the last cycle."""
+    rods = Rods()
+    for _ in range(before - 1):
+        rods.cycle(0.0, 0.0)  # what counts is the pull now
+    rods.cycle(*(-way for way in ways), pressures)
+    return rods.watch.explain(FAST)
+
+
+def test_rods_that_both_run_in_have_lost_a_wire():
+    assert str(run(WAY, 0.5 * WAY)) == (
+        f"the wire of agonist is slack or cut: its rod runs in ({FAST})"
+    )
+    assert "wire of antagonist" in str(run(0.5 * WAY, WAY))
+    assert run(WAY * (1.0 - 2e-9), 0.5 * WAY) is FAST
+    assert run(WAY, 0.0999 * WAY) is FAST
+    assert "wire of agonist" in str(run(WAY, 0.1001 * WAY))
+    assert run(WAY, -WAY) is FAST
+
+
+def test_a_run_shows_after_nine_readings():
+    assert run(WAY, WAY, before=8) is FAST
+    assert run(WAY, WAY, before=9) is not FAST
+
+
+def test_the_wire_is_that_of_the_rod_that_runs_faster_for_its_pull():
+    area, sliding = pair_settings().area, 0.5 * pair_settings().friction.coulomb
+    pulls = 3.0 * sliding, 2.0 * sliding  # two and one of it are left
+    pressures = tuple(pull / area for pull in pulls)
+    assert "wire of agonist" in str(run(2.1 * WAY, WAY, pressures=pressures))
+    assert "wire of antagonist" in str(run(1.9 * WAY, WAY, pressures=pressures))
+    # A chamber that cannot move its rod counts as a newton.
+    weak = (sliding + 3.0) / area, 0.5 * sliding / area
+    assert "wire of agonist" in str(run(3.1 * WAY, WAY, pressures=weak))
+    assert "wire of antagonist" in str(run(2.9 * WAY, WAY, pressures=weak))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
+    rng = np.random.default_rng(seed)
+    told = 0
+    for _ in range(100):
+        rods = Rods()
+        places = np.cumsum(rng.uniform(-0.9, 0.4, (14, 2)), axis=0) * WAY
+        for place in places:
+            rods.cycle(*place)
+        ways = (places[-5] - places[-1]) - (places[-9] - places[-5])
+        runs = ways.max() >= WAY and ways.min() >= 0.1 * ways.max()
+        said = rods.watch.explain(FAST)
+        assert ("slack or cut" in str(said)) == runs
+        if runs:
+            told += 1
+            assert f"wire of {('agonist', 'antagonist')[int(np.argmax(ways))]} " in str(said)
+    assert 5 < told < 95
+
+
+# A cause that the rest of the pair shows ------------------------------------------------------
+
+
+def suspicious(*ways, **settings):
+    """Return rods of which a pressure has just begun to be off, and that moved by this much."""
+    rods = Rods(**settings)
+    rods.watch.send((BASE, BASE))
+    rods.cycle(0.0, 0.0)
+    rods.cycle(0.0, 0.0)
+    rods.cycle(*ways, pressures=(BASE, BASE - 0.6 * most_off(rods)))
+    return rods
+
+
+def most_off(rods):
+    return rods.watch._pressures._bounds.deviation
+
+
+def test_a_limit_that_is_passed_has_the_suspicion_of_a_regulator():
+    said = suspicious(0.0, 0.0).watch.explain(FAST)
+    assert isinstance(said, SafetyError)
+    assert str(said).startswith("regulators: the regulator of antagonist is stuck")
+    assert str(said).endswith(f" ({FAST})")
+
+
+def test_what_feeds_a_chamber_may_be_a_valve():
+    rods = suspicious(0.0, 0.0, valves=ValvesSettings())
+    said = str(rods.watch.explain(FAST))
+    assert said.startswith("regulators: the valve of antagonist is stuck")
+
+
+def test_a_limit_that_was_explained_already_is_left_alone():
+    rods = suspicious(0.0, 0.0)
+    with pytest.raises(LimitExceeded) as caught:
+        rods.cycle(2 * WIDE, 2 * WIDE, (BASE, BASE - 0.6 * most_off(rods)))
+    assert rods.watch.explain(caught.value) is caught.value
+
+
+def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
+    ran = 0.3 * SPEED * PERIOD
+    jumps = [DeviceFault(name, "it jumps") for name in NAMES]
+    for way, explained in ((ran + TINY, True), (ran - TINY, False)):
+        for sign in (1.0, -1.0):
+            rods = suspicious(sign * way, 0.0)
+            said = rods.watch.explain(jumps[0])
+            assert (str(said).startswith("regulators: ")) is explained
+            assert rods.watch.explain(jumps[1]) is jumps[1]  # its own stood
+    other = DeviceFault("regulators", "it is gone")
+    rods = suspicious(2 * ran, 2 * ran)
+    assert rods.watch.explain(other) is other
+    assert rods.watch.explain(ValueError("no")).args == ("no",)
+    fresh = Rods()
+    fresh.cycle(0.0, 0.0)
+    assert fresh.watch.explain(jumps[0]) is jumps[0]
+
+
+def test_a_wire_comes_before_a_regulator_and_a_regulator_before_a_push():
+    jump = DeviceFault(NAMES[0], "it jumps")
+    rods = suspicious(0.0, 0.0)
+    low = (BASE, BASE - 0.6 * most_off(rods))
+    for _ in range(9):
+        rods.cycle(0.0, 0.0, low)
+    assert rods.watch.explain(FAST) is not FAST
+    rods.cycle(-WAY, -WAY, low)
+    for error in (jump, FAST):
+        assert "is slack or cut: its rod runs in" in str(rods.watch.explain(error))
+    rods = suspicious(WAY, -WAY)
+    assert str(rods.watch.explain(jump)).startswith("regulators: ")
+
+
+def test_a_push_pulls_one_rod_out_and_the_other_runs_in_by_a_tenth():
+    jump = DeviceFault(NAMES[0], "it jumps")
+    for other, is_push in ((0.1, True), (0.1 - 1e-9, False)):
+        rods = Rods()
+        for _ in range(4):
+            rods.cycle(0.0, 0.0)
+        rods.cycle(WAY, -other * WAY)
+        assert (rods.watch.explain(jump) is not jump) is is_push
+    rods.cycle(WAY, -2.0 * WAY)
+    assert rods.watch._explain_push(0) is None  # its rod stood
+
+
+# An encoder that goes against the pull --------------------------------------------------------
+
+
+def against(places, pulls, changes, least):
+    """Return which rod goes against the pull, from its history alone."""
+    small = np.flatnonzero(np.abs(changes[:-1]) < 0.2 * CHANGE)
+    since = small[-1] if len(small) else 0
+    moved = np.diff(places[since:], axis=0) * (-1.0, 1.0)
+    pull = (pulls[since + 1 :, 0] - pulls[since + 1 :, 1])[:, None]
+    work, way = (pull * moved).sum(axis=0), np.abs(moved).sum(axis=0)
+    for k in range(2):
+        if work[k] < -least * way[k] and work[1 - k] > least * way[1 - k]:
+            return k
+    return None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_encoder_that_goes_against_the_pull_is_named(seed):
+    """Drawn ways of both rods and drawn pressures, until the rods no longer agree."""
+    rng = np.random.default_rng(seed)
+    found = {0: 0, 1: 0, None: 0}
+    for _ in range(80):
+        rods = Rods(change=CHANGE)
+        rods.settle()
+        area, least = rods.settings.area, 0.25 * 10.0  # a quarter of Coulomb friction
+        drift = rng.uniform(-0.15, 0.15) * CHANGE
+        both = rng.uniform(-0.2, 0.2) * CHANGE
+        noise = rng.uniform(0.0, 0.3) * CHANGE
+        bias = rng.uniform(-1.0, 1.0) * 2.0 * least / area
+        places, pressures, place = [np.zeros(2)], [np.full(2, BASE)], np.zeros(2)
+        for _ in range(200):
+            place = place + drift + both * np.array([-1.0, 1.0]) + rng.normal(0.0, noise, 2)
+            spread = bias + rng.normal(0.0, 0.1) * least / area
+            pressure = BASE + 0.5 * spread * np.array([1.0, -1.0])
+            places.append(place)
+            pressures.append(pressure)
+            try:
+                rods.cycle(*place, tuple(pressure))
+            except LimitExceeded as error:
+                said = error.quantity
+                break
+        else:
+            continue
+        if "is slack or cut" in said or np.abs(place).max() > REACH:
+            continue
+        changes = np.array([step.change for step in rods.watch._history][-len(places) :])
+        k = against(np.array(places), np.array(pressures) * area, changes, least)
+        found[k] += 1
+        if k is None:
+            assert "drifts or has a wrong scale" in said
+        else:
+            assert f"({NAMES[k]} is mirrored or drifts: it goes against the pull)" in said
+    assert found[None] > 1
+    assert found[0] + found[1] > 1
+
+
+def test_a_quarter_of_a_second_is_remembered():
+    rods = Rods()
+    for _ in range(300):
+        rods.cycle(0.0, 0.0)
+    assert len(rods.watch._history) == 256
+
+
+@pytest.mark.parametrize("turned", [1.0, -1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_rods_that_move_against_their_pull_are_swapped(seed, turned):
+    """By a quarter of the friction's work over a millimetre, of both rods together."""
+    rng = np.random.default_rng(seed)
+    rods, work, gone = Rods(swapped=1e-3), 0.0, 0.0
+    ways = np.array([-1.0, rng.uniform(0.8, 1.2)]) * 2.0**-15 * turned
+    pressures = np.array([60e3, 150e3])[:: int(turned)]
+    place = np.zeros(2)
+    rods.cycle(*place, tuple(pressures))
+    with pytest.raises(SafetyError, match="are swapped") as caught:
+        for _ in range(100):
+            place = place + ways
+            moved = 0.5 * (ways[1] - ways[0])
+            work += float(pressures[0] - pressures[1]) * rods.settings.area * moved
+            gone += 0.5 * float(np.abs(ways).sum())
+            rods.cycle(*place, tuple(pressures))
+    said = f"[work {work * 1e3:.1f} mJ over {gone * 1e3:.2f} mm, "
+    assert said in str(caught.value)
+
+
+def test_what_has_drifted_for_longer_than_is_remembered_is_judged_by_what_is():
+    rods = Rods(change=CHANGE)
+    rods.settle()
+    for _ in range(300):
+        rods.cycle(0.5 * CHANGE, 0.5 * CHANGE)
+    with pytest.raises(LimitExceeded, match="drifts or has a wrong scale"):
+        rods.cycle(1.5 * CHANGE, 1.5 * CHANGE)
+
+
+def test_the_speed_starts_anew_after_a_restart():
+    """And is judged by the position, both ways."""
+    watch = Rods().watch
+    for k, position in enumerate((0.0, REACH, -REACH)):
+        watch.restart()
+        state = PairState(0.1 * k, position, BASE, BASE)
+        watch.check(state, (HOME, HOME), 0.1 * k)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("k", [0, 1])
+def test_rods_that_disagree_when_they_are_first_read_are_a_fault(k, way):
+    bench = PairBench()
+    off = [0.0, 0.0]
+    off[k] = way * 2.1 * MISMATCH
+    bench.place(*off)
+    with pytest.raises(LimitExceeded, match="mismatch of the two rods"):
+        bench.cycle(0.0)
+
+
+# A pull that no monitor shows -------------------------------------------------------------------
+
+
+def pulled(cycles, apart=400e3):
+    """Return rods that stand still under a pull that no seal could hold."""
+    rods = Rods()
+    rods.settle()
+    for _ in range(cycles):
+        rods.cycle(0.0, 0.0, (BASE + apart, BASE))
+    return rods
+
+
+def test_a_pair_that_should_move_and_sticks_is_told_with_its_chamber():
+    told = pulled(32).watch.explain_held()
+    assert "the chamber of agonist leaks behind its tube" in told
+    assert "the carriage is pushed or held" in told
+    assert pulled(32, 0.0).watch.explain_held() is None
+
+
+@pytest.mark.parametrize("off", [5e-3, -5e-3])
+def test_a_pair_that_strays_from_its_reference_is_told_with_the_chamber_that_should_pull_it(off):
+    error = Strayed("following error of the pair for 0.3 s", off, -3e-3, 3e-3, "m")
+    apart = math.copysign(150e3, -off)  # 27 N: less than seals may hold, more than they take
+    said = str(pulled(32, apart).watch.explain(error))
+    weak = "antagonist" if off > 0.0 else "agonist"
+    assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube")
+    assert said.endswith(f"N pull it back ({error})")
+    assert pulled(32, -apart).watch.explain(error) is error
+    other = LimitExceeded("position of the pair", off, -3e-3, 3e-3, "m")
+    assert pulled(32, apart).watch.explain(other) is other
+
+
+def test_a_pair_that_slides_is_not_held_whatever_its_monitors_say():
+    rods = pulled(0)
+    for k in range(32):
+        way = 1e-4 * k
+        rods.cycle(-way, way)
+    assert rods.watch._balance.explain() is not None
+    assert rods.watch.explain_held() is None
+
+
+def test_what_held_it_before_a_new_start_is_forgotten():
+    rods = pulled(32)
+    rods.watch.restart()
+    assert rods.watch.explain_held() is None
