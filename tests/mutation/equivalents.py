@@ -25,6 +25,12 @@ class Equivalent(NamedTuple):
 
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/balance.py",
+        "weak, against = (other, -pull) if off > 0.0 else (one, pull)",
+        "off > 0.0 -> off >= 0.0",
+        "what has strayed is off by something",
+    ),
     *(
         Equivalent(
             "rig/mechanisms/pneumatic/alarms/tracking.py",

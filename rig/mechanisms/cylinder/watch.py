@@ -10,7 +10,7 @@ from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
-from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 CHANNELS = ("agonist", "antagonist")
@@ -67,6 +67,7 @@ class PairWatch:
         self._home = settings.home
         self._area = settings.area
         self._encoders = tuple(encoders)
+        self._regulators = regulators
         self._give = 0.5 * settings.area / settings.wire_stiffness
         self._taut = 0.5 * friction.breakaway / settings.area
         self._sliding = 0.5 * friction.coulomb
@@ -143,6 +144,8 @@ class PairWatch:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
             if cause is None and isinstance(error, Strayed):
                 cause = self._balance.explain_off(error.value)
+            if cause is None and isinstance(error, Shifted):
+                cause = self._explain_shift()
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:
@@ -246,6 +249,18 @@ class PairWatch:
         if out <= 0.0 or -other < _LEAST_RUN * out:
             return None
         return f"the carriage was pushed or struck: it pulls the rod of {CHANNELS[k]} out"
+
+    def _explain_shift(self) -> str | None:
+        """Return which chamber fills more slowly than the other, if that can move the pair."""
+        pulls = self._history[-1].pulls
+        k = pulls.index(min(pulls))
+        if pulls[1 - k] - pulls[k] < self._sliding:
+            return None
+        slow, quick = (f"{1e-3 * pulls[i] / self._area:.0f} kPa" for i in (k, 1 - k))
+        return (
+            f"{self._regulators}: the regulator of {CHANNELS[k]} is stuck, slow or off: its "
+            f"chamber has {slow} while both fill, and that of {CHANNELS[1 - k]} {quick}"
+        )
 
     def explain_held(self) -> str | None:
         """Return why a pair sticks whose pressures should move it; None: they need not."""

@@ -19,7 +19,7 @@ from pneumatic_fakes import (
 
 from controllers.cylinder.types import PairState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
-from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
 # A wire that lets go --------------------------------------------------------------------------
@@ -324,3 +324,40 @@ def test_what_held_it_before_a_new_start_is_forgotten():
     rods = pulled(32)
     rods.watch.restart()
     assert rods.watch.explain_held() is None
+
+
+# A way while the chambers fill ------------------------------------------------------------------
+
+
+def filled(*pressures):
+    """Return what is said of a pair that moved while its chambers had got so far, and the error."""
+    rods = Rods()
+    for earlier in (BASE, BASE, 0.0, BASE):
+        rods.cycle(0.0, 0.0, (earlier, earlier))
+    rods.cycle(0.0, 0.0, pressures)
+    error = Shifted("way of the pair while its chamber fills", 4.1e-3, -4e-3, 4e-3, "m")
+    return rods, error
+
+
+@pytest.mark.parametrize("slow", [0, 1])
+def test_a_pair_that_moves_while_it_fills_is_told_with_the_chamber_that_has_less(slow):
+    names = ("agonist", "antagonist")
+    pressures = (3e3, 40e3) if slow == 0 else (40e3, 3e3)
+    rods, error = filled(*pressures)
+    assert str(rods.watch.explain(error)) == (
+        f"regulators: the regulator of {names[slow]} is stuck, slow or off: its chamber has 3 kPa "
+        f"while both fill, and that of {names[1 - slow]} 40 kPa ({error})"
+    )
+    other = LimitExceeded("position of the pair", 21e-3, -20e-3, 20e-3, "m")
+    assert rods.watch.explain(other) is other, "it is controlled then"
+
+
+@pytest.mark.parametrize("slow", [0, 1])
+def test_chambers_that_differ_by_less_than_half_of_what_seals_take_moved_nothing(slow):
+    half = 0.5 * pair_settings().friction.coulomb / pair_settings().area
+    for apart, is_told in ((half * (1.0 - 1e-9), False), (half * (1.0 + 1e-9), True)):
+        rods, error = filled(*((20e3, 20e3 + apart) if slow == 0 else (20e3 + apart, 20e3)))
+        assert (rods.watch.explain(error) is not error) is is_told
+    pulls = rods.watch._history[-1].pulls
+    rods.watch._sliding = abs(pulls[1] - pulls[0])
+    assert rods.watch.explain(error) is not error, "just so much may move it"

@@ -271,6 +271,7 @@ def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monit
         "(`rig calibrate` friction measures it): it stays off though 10 N pull it back"
     )
     assert stays(math.copysign(10.0 - 1e-9, -off), off) is None  # its seals may hold that
+    assert stays(math.copysign(10.0, -off), off) is None  # and just that
     assert stays(-against, off) is None  # nothing pulls it back
 
 

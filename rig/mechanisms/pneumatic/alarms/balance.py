@@ -173,15 +173,15 @@ class PullBalance:
         off : float
             How far, m; positive where its agonist pulls to.
         """
-        one, other = self._pairs[0]
-        if not self._history:
+        late = _late(self._instants(self._pairs[0]))
+        if not late:
             return None
-        late = [p for t, _, p in self._history if t >= self._history[-1][0] - _LOOK]
-        pull = self._area * sum(p[one] - p[other] for p in late) / len(late)
-        against = -pull if off > 0.0 else pull
+        pull = sum(instant.pull for instant in late) / len(late)
+        one, other = self._pairs[0]
+        weak, against = (other, -pull) if off > 0.0 else (one, pull)
         if not against > self._friction.coulomb:
             return None
-        back = self._channels[other if off > 0.0 else one]
+        back = self._channels[weak]
         return (
             f"{self._device}: the chamber of {back} leaks behind its tube, or its monitor is off, "
             f"or {self._moved} is pushed or held{_STUCK}: it stays off though {against:.0f} N pull "

@@ -30,6 +30,10 @@ class Strayed(LimitExceeded):
     """A distance from the reference that has lasted for too long; positive beyond it."""
 
 
+class Shifted(LimitExceeded):
+    """A way while the chambers fill."""
+
+
 class _Turns:
     """Finds where a signal turns round, beyond a distance that it has to come back."""
 
@@ -198,14 +202,14 @@ class TrackingWatch:
 
         Raises
         ------
-        LimitExceeded
+        Shifted
             It is farther off than that, or than a rod may be that follows.
         """
         following = min(self._following, most)
         for name, goal, here in zip(self._names, wanted, measured, strict=True):
             if not -following <= here - goal <= following:
                 what = f"way of {name} while its chamber fills"
-                raise LimitExceeded(what, here - goal, -following, following, "m")
+                raise Shifted(what, here - goal, -following, following, "m")
 
     def suspicion(self, now: float) -> str | None:
         """Return which rod has begun to swing, for a limit that was exceeded before it lasted.
