@@ -5,7 +5,7 @@ from collections.abc import Generator
 from typing import Any, ClassVar
 
 from controllers.arm.choice import begun_elsewhere
-from controllers.arm.geometry import ArmGeometry
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.online.follower import TwistFollower
@@ -16,7 +16,7 @@ from controllers.arm.promises import Promises, TooFast, check_promises
 from controllers.arm.slower import slower_path
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
+from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState, Joints
 from controllers.base import Chosen, PlanningLaw
 from controllers.motion import InfeasibleMotion, LongMotion, check_length
 
@@ -217,10 +217,23 @@ class ArmLaw(
         self._follower.rest(twists.start)
         rows = twists.known()
         if rows is None:
+            self._check_start(twists.start)
             return None
         return rehearse(
             self.name, self.geometry, self.period, self._follower, rows, twists.frame, self.longest
         )
+
+    def _check_start(self, start: Joints) -> None:
+        """Raise if a joint would start outside its range, from where nobody plans it back."""
+        its = self.geometry
+        for name, q, low, high in zip(
+            AXIS_NAMES, start, its.position_min, its.position_max, strict=True
+        ):
+            if not low <= q <= high:
+                raise InfeasibleMotion(
+                    f"{name} would start at {q:.4f} rad, outside its range of {low:.4f} to "
+                    f"{high:.4f} rad (reference.start)."
+                )
 
     def reset(self, state: ArmState) -> None:
         """Go back to the beginning of the path."""

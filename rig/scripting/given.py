@@ -9,6 +9,7 @@ from typing import TypeAlias, cast
 from rig.assembly import REGISTRY, plan_motion
 from rig.assembly.contract_check import check_offers
 from rig.config import Experiment, Profile, ReferenceEntry
+from rig.config.from_python import as_from_a_file
 from rig.config.models import MetricSpec
 from rig.config.quantities import USUAL_UNITS, UnitError, parse_unit
 from rig.experiment.measure import Measure, Windows
@@ -134,6 +135,7 @@ def _played(
 def _motion(reference: object, profile: Profile, controller: object) -> Motion[object]:
     if isinstance(reference, type):
         raise ConfigurationError(f"the reference is the class {reference.__name__}: make one of it")
+    as_from_a_file(reference, f"reference={type(reference).__name__}(…)")
     return plan_motion(profile, reference, controller)
 
 

@@ -197,6 +197,7 @@ BEARS = {"cylinder.limits.stop_energy": "1 J"}
         ({"controller": 3.0}, "it has no"),
         ({"reference": object()}, "not one for a pair"),
         ({"reference": Sine}, "make one of it"),
+        ({"reference": Sine("4 N", ())}, r"^reference=Sine\(…\): amplitude: '4 N' is not in m"),
         ({"reference": Sine(0.5, (SineTone(1.0, 2),))}, "outside limits.position"),
         ({"plan": 3}, "no function of the rig"),
         ({"plan": lambda r: None, "reference": object()}, "not both"),

@@ -307,3 +307,11 @@ def test_a_twist_that_is_none_but_for_rounding_has_facts_that_are_numbers(speed)
     facts = facts_of_twists(law.prepare_twists(TwistRows(rows=rows)), geometry)
     assert facts["off_direction"].value < 1e-9
     assert not any(math.isnan(fact.value) for fact in facts.values())
+
+
+def test_who_would_start_outside_a_range_is_refused():
+    """Twists that are heard are not gone through beforehand: only their start is known."""
+    law = Esc(EscSettings(), ArmGeometry(), PERIOD)
+    twists = Told(start=(0.0, 0.3, 2.9, 0.0, 0.5, 0.0))
+    with pytest.raises(InfeasibleMotion, match=r"^q3 would start at 2.9000 rad, .*-2.8000 to 2.80"):
+        law.prepare_twists(twists)
