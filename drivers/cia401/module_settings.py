@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Interval, Unit
 
 from drivers.canopen.described import DescribedNode
-from drivers.canopen.mapping import Entry, Layout, pack
+from drivers.canopen.mapping import SIZES, Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, Channel
@@ -111,9 +111,13 @@ class ModuleSettings(NodeSettings):
         """Return the channels' names."""
         return tuple(self.wired)
 
-    def confirms_setpoints(self) -> bool:
-        """Return whether the module echoes its outputs."""
-        return self.echo
+    def confirmed_bytes(self) -> tuple[bool, ...]:
+        """Return which bytes of its first frame of setpoints the module echoes.
+
+        Those of analogue outputs; of digital ones, like the supply valve's, nothing comes back.
+        """
+        first = pack(self.receive_entries)[0] if self.echo else ()
+        return tuple(entry != DIGITAL_OUTPUT for entry in first for _ in range(SIZES[entry.type]))
 
     def acts_after(self, bus: object) -> float | None:
         """Return after how long without the program it makes itself safe, s.

@@ -83,16 +83,22 @@ def _unless_short(sizes: Sizes, subject: Subject) -> Must:
 
 
 def _unless_unconfirmed(sizes: Sizes, subject: Subject) -> Must:
-    """Expect that a wrong setpoint is seen where every device says which one it got."""
-    told = {device for device, frames in subject.frames.items() if frames.to_device}
-    return _unless_short(sizes, subject) if told <= subject.confirming else Must.EITHER
+    """Expect that a wrong byte of setpoints is seen where every device sends it back."""
+    byte = int(sizes.magnitude or 0.0)
+    told = [
+        subject.confirming.get(device, (False,))
+        for device, frames in subject.frames.items()
+        if frames.to_device
+    ]
+    is_seen = all(confirmed[byte % len(confirmed)] for confirmed in told)
+    return _unless_short(sizes, subject) if is_seen else Must.EITHER
 
 
 def _unless_unshown(sizes: Sizes, subject: Subject) -> Must:
     """Expect that late setpoints are seen where every device says which one it got."""
     told = {device for device, frames in subject.frames.items() if frames.to_device}
     late = _unless_early(_COMMANDS_LATE)(sizes, subject)
-    return late if told <= subject.confirming else Must.EITHER
+    return late if told <= subject.confirming.keys() else Must.EITHER
 
 
 def _unless_early(least: float) -> Expect:
@@ -149,7 +155,8 @@ KINDS = (
     _kind("setpoints_corrupt", "A byte of the setpoints is inverted.", "to", "corrupt",
           _unless_unconfirmed, 0.2, magnitude=_BYTE, forgives=_WRONG_ANGLE,
           why="as setpoints that are late; where no echo shows it, a low byte is 3.9 kPa of the "
-          "joint's 500 and 3 mrad of a leg's servo, less than those may be off"),
+          "joint's 500 and 3 mrad of a leg's servo, less than those may be off; the byte of "
+          "digital outputs shuts the supply valve, which the chambers show when they lack air"),
     _kind("setpoints_short", "Setpoints lack bytes.", "to", "truncate", _unless_short, 0.2,
           why=_SHORT, magnitude=_BYTE),
     _kind("setpoints_twice", "Setpoints arrive twice.", "to", "duplicate", ride, 0.1,

@@ -34,8 +34,8 @@ class Subject:
         What its chambers hold at rest, Pa gauge; infinite without chambers.
     by_velocity : frozenset of str
         Devices whose axes their velocity loops alone can hold.
-    confirming : frozenset of str
-        Devices that send every setpoint back as they got it.
+    confirming : mapping
+        Which bytes of their first frame of setpoints those devices send back that send back any.
     connecting : float
         How long it takes until it is energised, s.
     reading_age : float
@@ -60,7 +60,7 @@ class Subject:
     reading_age: float
     base_pressure: float = math.inf
     by_velocity: frozenset[str] = frozenset()
-    confirming: frozenset[str] = frozenset()
+    confirming: Mapping[str, tuple[bool, ...]] = field(default_factory=dict)
     procedures: Mapping[str, float] = field(default_factory=dict)
     chosen: tuple[str, ...] = ()
     configs: str = ""

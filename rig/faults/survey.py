@@ -163,9 +163,11 @@ def survey(
             for name, entry in profile.devices.items()
             if entry.settings.holds_without_position()
         ),
-        confirming=frozenset(
-            name for name, entry in profile.devices.items() if entry.settings.confirms_setpoints()
-        ),
+        confirming={
+            name: confirmed
+            for name, entry in profile.devices.items()
+            if any(confirmed := entry.settings.confirmed_bytes())
+        },
         procedures=_procedures(profile),
         chosen=experiments if chosen else (),
         configs="" if configs is None else str(configs),

@@ -170,9 +170,13 @@ class DriverSettings:
         """Return the file below ``/dev`` that it is opened by; None: it has none of its own."""
         return None
 
-    def confirms_setpoints(self) -> bool:
-        """Return whether it sends every setpoint back as it got it: none is wrong unseen."""
-        return False
+    def confirmed_bytes(self) -> tuple[bool, ...]:
+        """Return which bytes of what it is told come back as it got them; empty: none do.
+
+        Of the first frame with setpoints, as those that confirm any confirm all of them. A byte
+        that comes back is not wrong unseen.
+        """
+        return ()
 
     def holds_without_position(self) -> bool:
         """Return whether its velocity loop alone holds an axis whose position encoder lies."""

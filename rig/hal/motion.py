@@ -69,6 +69,9 @@ class Motion(Protocol[Followed]):
     watches: bool = False
     """Whether it depends on what is measured: `see` is called, and its end may come at any time."""
 
+    stands: bool = False
+    """Whether the rig is meant to stay where it is though nothing controls it."""
+
     real_time: bool = False
     """Whether somebody steers it as it goes: a simulation runs no faster than they live."""
 

@@ -106,6 +106,7 @@ class Phases(Generic[State, Reference, Command]):
         self._period = period
         self._motion = motion
         self._waits = motion.waits
+        self._stands = motion.stands
         self._watches = motion.watches
         self._timings = timings
         self._resting: Command | None = None
@@ -149,6 +150,8 @@ class Phases(Generic[State, Reference, Command]):
             self._home = mechanism.reference_of(state)
             self._controller.reset(state)
             self.is_controlling = True
+        if self._stands:
+            mechanism.check_still(self._home)
         if reference_time < 0.0:
             reference = self._approach(t - energise)
         else:

@@ -8,8 +8,10 @@ of its curve under the same limits is a linear programme's, which shares nothing
 """
 
 import argparse
+import dataclasses
 import json
 import math
+import re
 import sys
 from collections import Counter, defaultdict
 from pathlib import Path
@@ -174,10 +176,14 @@ def judge(seed, rivals):
     dwells = isinstance(path, DwellLine)
     law = Esc(EscSettings(), ARM, PERIOD) if dwells else LookAhead(LookAheadSettings(), ARM, PERIOD)
     others = {name: rival(*RIVALS[name], path) for name in rivals}
+    told = ""
     try:
         plan = law.prepare(path)
     except InfeasibleMotion as error:
-        return kind, str(error), {}, others
+        path = as_told(path, str(error))
+        if path is None:
+            return kind, str(error), {}, others
+        plan, told = law.prepare(path), ", at the speed that its refusal names"
     shares = np.abs(np.diff(plan.positions, axis=0)).max(axis=0) / PERIOD / ARM.rate_limits
     change = np.abs(np.diff(plan.velocities[:-1], axis=0)).max(axis=0, initial=0.0) / PERIOD
     found = {
@@ -187,7 +193,16 @@ def judge(seed, rivals):
     }
     if not dwells:
         found["optimum"] = plan.duration / least_time(plan.positions, path)
-    return kind, plan.outcome, found, others
+    return kind, plan.outcome + told, found, others
+
+
+def as_told(path, refusal):
+    """Return a dwell as its refusal says that it would fit; None if it does not say."""
+    fits = re.search(r"at (\S+) m/s with a dwell of (\S+) s it would fit", refusal)
+    if fits is None:
+        return None
+    speed, dwell = map(float, fits.groups())
+    return dataclasses.replace(path, speed=speed, dwell=dwell)
 
 
 def rival(law, settings, path):

@@ -378,13 +378,16 @@ def test_a_slow_disk_must_be_seen_if_something_is_written_to_it():
 def test_a_wrong_setpoint_must_be_seen_where_each_is_echoed(seed):
     """The echo shows it when it lasts longer than what is late may, and the answers take."""
     chance = random.Random(seed)
-    confirming = replace(SUBJECT, confirming=frozenset({"regulators"}))
+    echoed = {"regulators": (True, True, True, True, False)}
+    confirming = replace(SUBJECT, confirming=echoed)
     row, bridged = kind_named("setpoints_corrupt"), 0.03 + 4.0 * SUBJECT.period
+    supply = Sizes(4.0, 1.0)  # that of the digital outputs, which is not echoed
+    assert row.must(supply, confirming) is Must.EITHER
     for lasts, must in (
         (chance.uniform(bridged + 1e-6, 1.0), Must.SAFE),
         (chance.uniform(0.0, bridged), Must.EITHER),
     ):
-        sizes = Sizes(chance.uniform(1.0, 7.0), lasts)
+        sizes = Sizes(chance.choice((1.3, 2.9, 3.0, 5.5, 7.0)), lasts)
         assert row.must(sizes, confirming) is must
         assert row.must(sizes, SUBJECT) is Must.EITHER
 

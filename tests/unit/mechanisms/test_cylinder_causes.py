@@ -335,7 +335,7 @@ def filled(*pressures):
     for earlier in (BASE, BASE, 0.0, BASE):
         rods.cycle(0.0, 0.0, (earlier, earlier))
     rods.cycle(0.0, 0.0, pressures)
-    error = Shifted("way of the pair while its chamber fills", 4.1e-3, -4e-3, 4e-3, "m")
+    error = Shifted("way of the pair while nothing controls it", 4.1e-3, -4e-3, 4e-3, "m")
     return rods, error
 
 

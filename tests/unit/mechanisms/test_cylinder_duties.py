@@ -61,7 +61,7 @@ def test_a_pair_that_moves_while_its_chambers_fill_is_a_fault():
     bench.pair.check_still(STILL)
     bench.move_to(1.01 * pair_settings().limits.following)
     bench.cycle(PERIOD)
-    with pytest.raises(LimitExceeded, match="way of the pair while its chamber fills"):
+    with pytest.raises(LimitExceeded, match="way of the pair while nothing controls it"):
         bench.pair.check_still(STILL)
 
 
@@ -76,7 +76,7 @@ def test_a_pair_that_follows_nothing_may_move_by_a_quarter_of_its_range_while_th
         if share < 0.25:
             bench.pair.check_still(STILL)
             continue
-        with pytest.raises(LimitExceeded, match="way of the pair while its chamber fills"):
+        with pytest.raises(LimitExceeded, match="way of the pair while nothing controls it"):
             bench.pair.check_still(STILL)
 
 

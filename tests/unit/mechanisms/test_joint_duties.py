@@ -1,5 +1,6 @@
 """What the joint does for the loop besides reading, limiting and writing: words, stop, memory."""
 
+import dataclasses
 import math
 import random
 from types import SimpleNamespace
@@ -64,14 +65,34 @@ def test_a_ring_that_moves_while_its_chambers_fill_is_a_fault(tilt):
     bench = JointBench()
     bench.lean(tilt)
     bench.joint.start_limiting(bench.cycles(1))
-    stood, following = rods_at(tilt, 0.4), bench.joint.settings.limits.following
-    for rod, fault in ((0.99 * following, False), (1.01 * following, True)):
+    stood, limits = rods_at(tilt, 0.4), bench.joint.settings.limits
+    most = min(limits.following, 0.2 * limits.tilt * GEOMETRY.ball_radius)
+    for rod, fault in ((0.99 * most, False), (1.01 * most, True)):
         bench.place(off(stood, 3, rod))
         bench.cycles(1)
         if not fault:
             bench.joint.check_still(UP)
             continue
-        with pytest.raises(LimitExceeded, match="way of the rod of ch3 while its chamber fills"):
+        with pytest.raises(LimitExceeded, match="way of the rod of ch3 while nothing controls it"):
+            bench.joint.check_still(UP)
+
+
+def test_a_ring_that_nothing_controls_goes_a_fifth_of_its_tilt_at_most_whatever_it_follows():
+    """A procedure that sets what follows aside still has the ring stay where it stands."""
+    following = 18e-3
+    limits = dataclasses.replace(joint_settings().limits, following=following)
+    bench = JointBench(joint_settings(limits))
+    bench.joint.start_limiting(bench.cycles(1))
+    stood = rods_at(0.0, 0.4)
+    most = 0.2 * limits.tilt * GEOMETRY.ball_radius
+    assert most < following
+    for rod, fault in ((0.99 * most, False), (1.01 * most, True)):
+        bench.place(off(stood, 2, -rod))
+        bench.cycles(1)
+        if not fault:
+            bench.joint.check_still(UP)
+            continue
+        with pytest.raises(LimitExceeded, match="way of the rod of ch2 while nothing controls it"):
             bench.joint.check_still(UP)
 
 

@@ -343,7 +343,7 @@ def test_nothing_moves_while_chambers_fill(sign):
     home, away = (0.25, 0.5), sign * 2.0**-9
     watched.check_still(home, (home[0] + away, home[1]))
     bound = sign * FOLLOWING
-    with pytest.raises(LimitExceeded, match="way of the rod of ch2 while its chamber fills"):
+    with pytest.raises(LimitExceeded, match="way of the rod of ch2 while nothing controls it"):
         watched.check_still(home, (home[0], home[1] + 1.01 * bound))
     with pytest.raises(LimitExceeded) as told:
         watched.check_still((0.0, 0.0), (2.0 * bound, 0.0))

@@ -39,14 +39,14 @@ class Mechanism(FakeMechanism):
 class Run(Phases):
     """A run whose cycles are called one by one."""
 
-    def __init__(self, timings=TIMINGS, waits=False, **mechanism):
+    def __init__(self, timings=TIMINGS, waits=False, stands=False, **mechanism):
         self.mechanism = type("Made", (Mechanism,), mechanism)()
         self.controller = FakeController()
         self.states = StateMachine()
         self.states.move(RigState.IDLE)
         self.states.move(RigState.RUNNING)
         motion = Ramp()
-        motion.waits = waits
+        motion.waits, motion.stands = waits, stands
         super().__init__(self.mechanism, self.controller, self.states, motion, timings, period=P)
 
     def go(self, cycles, stop=None):
@@ -122,6 +122,14 @@ def test_a_rig_is_watched_not_to_leave_its_place_while_it_is_energised_and_no_lo
     run = Run(check_still=lambda self, home: homes.append(home))
     run.go(10)
     assert homes == [run.mechanism.reference_of(0.0)] * 4
+
+
+def test_a_rig_that_is_meant_to_stand_is_watched_until_it_stops():
+    homes = []
+    run = Run(check_still=lambda self, home: homes.append(home), stands=True)
+    run.go(16, stop=12)
+    energised, standing = [run.mechanism.reference_of(0.0)] * 4, [run.mechanism.reference_of(4.0)]
+    assert homes == energised + 8 * standing
 
 
 def test_a_stop_while_energising_lets_go_at_once():

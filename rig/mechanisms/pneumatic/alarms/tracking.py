@@ -208,7 +208,7 @@ class TrackingWatch:
         following = min(self._following, most)
         for name, goal, here in zip(self._names, wanted, measured, strict=True):
             if not -following <= here - goal <= following:
-                what = f"way of {name} while its chamber fills"
+                what = f"way of {name} while nothing controls it"
                 raise Shifted(what, here - goal, -following, following, "m")
 
     def suspicion(self, now: float) -> str | None:

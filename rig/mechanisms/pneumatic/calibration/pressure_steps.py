@@ -78,6 +78,8 @@ class TogetherByClock(ScriptedMotion[Reference, object, Command]):
         What the log keeps of a controller that believes nothing.
     """
 
+    stands = True
+
     def __init__(
         self,
         steps: PressureSteps,
