@@ -53,8 +53,6 @@ if TYPE_CHECKING:
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
 _ZERO = (0.0, 0.0, 0.0)
-_STILL = 0.2
-"""Of the permitted tilt: while nothing controls the ring, rods may go the way of so much."""
 
 
 class EstimatingPoseController(Controller[JointReference, JointState, JointCommand], Protocol):
@@ -324,8 +322,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
 
     def check_still(self, home: JointReference) -> None:
         """See `Mechanism.check_still`; the rods were where they stood, whatever they show of it."""
-        most = _STILL * self._limits.tilt * self.settings.geometry.ball_radius
-        self._tracking.check_still(self._stood, self._rods, most)
+        self._tracking.check_still(self._stood, self._rods, self.settings.sway)
 
     def check_command(self, reference: JointReference, command: JointCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""

@@ -23,6 +23,8 @@ Four = tuple[str, str, str, str]
 _Length = Annotated[float, Unit("m")]
 
 
+_SWAY = 0.2
+"""Share of the permitted tilt that a ring may sway by while nothing controls it."""
 _WRAP = 1.0
 """A wire lies on so much of the ball, rad. E: upright it is somewhat more."""
 
@@ -139,3 +141,8 @@ class JointSettings(PneumaticSettings):
     def greatest_pressure(self) -> float:
         """The greatest pressure that a chamber is given, Pa gauge: that of the greatest tension."""
         return min(self.limits.tension[1] / self.area, self.limits.pressure[1])
+
+    @property
+    def sway(self) -> float:
+        """How far a rod may go while nothing controls the ring, m."""
+        return _SWAY * self.limits.tilt * self.geometry.ball_radius
