@@ -369,10 +369,7 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         """
 
     def check_still(self, home: Reference) -> None:
-        """Raise `SafetyError` if the rig leaves `home` while nothing controls it: see `check`.
-
-        So it is while it is energised, and in a motion that `stands`.
-        """
+        """Raise `SafetyError` if the rig leaves `home` while it is energised, or `stands`."""
 
     @abstractmethod
     def limit(self, command: Command) -> Command:
