@@ -7,10 +7,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from rig.config.formats import format_against
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
-from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
+from rig.run_facts import RunStatus, read_events, read_manifest, read_metrics
 
 _DIAGNOSIS = "diagnosis"
 _SEEN = ("oscillation", "stick_slip")
@@ -120,14 +121,11 @@ def _missed(folder: Path) -> Iterator[Remark]:
         if row.get("pass") is not False:
             continue
         bound, value = row.get("bound"), row["value"]
-        wanted = "" if bound is None else f", {row.get('bound_kind') or 'bound'} {_si(bound, row)}"
-        got = "has no value" if value is None else f"is {_si(value, row)}"
+        reached, limit = format_against(value, bound, row["unit"] or "1")
+        wanted = f", {row.get('bound_kind') or 'bound'} {limit}" if limit else ""
+        got = "has no value" if value is None else f"is {reached}"
         meaning = f"`rig explain {row.get('measure', row['name'])}` says what it is"
         yield Remark("missed", f"{row['name']} {got}{wanted}; {meaning}")
-
-
-def _si(value: float, row: MetricRow) -> str:
-    return f"{value:.4g} {row['unit']}".rstrip()
 
 
 def _remarks(topic: FaultTopic, folder: Path, names: Mapping[str, str | None]) -> Iterator[Remark]:

@@ -72,6 +72,15 @@ def test_what_was_seen_to_oscillate_comes_before_what_would_fit_as_well(here):
     assert kinds(ended(here / "b", other, SLOW))[0] == "regulator_slow", "else it knows best"
 
 
+def test_a_bound_that_was_just_missed_is_told_with_digits_that_show_it(here):
+    folder = ended(here / "a", None, status="failed")
+    row = {"name": "off", "value": 1.00003e-3, "unit": "m", "bound": 1e-3, "bound_kind": "max"}
+    metrics = {"metrics": [{**row, "pass": False, "segments": "*"}]}
+    (folder / "metrics.json").write_text(json.dumps(metrics))
+    text = next(remark.text for remark in explain_run(folder) if remark.label == "missed")
+    assert text.startswith("off is 1.00003 mm, max 1 mm; ")
+
+
 @pytest.mark.parametrize(
     ("ago", "said"),
     [(5.0, ""), (61.0, ", 1 min ago"), (7200.0, ", 2 h ago"), (3.1 * 86_400, ", 3 d ago")],
