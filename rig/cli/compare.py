@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,9 @@ from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
     from rig.hal.closed_loop import ClosedLoop
-    from rig.report.comparison import ComparisonRow
+
+_ENDINGS = {"failed": "bound missed"}
+"""Of a run's status, where it would not say by itself what came of it."""
 
 
 @click.command()
@@ -72,6 +74,7 @@ def compare(
     and the table has the runs that were done.
     """
     from rig.cli.announce import may_move
+    from rig.cli.compared_table import table_lines
     from rig.config.setting import Setting
     from rig.experiment.plan import load_plan
     from rig.report.compare import compare_metrics, draw_comparison
@@ -103,12 +106,15 @@ def compare(
         labels, paths = list(finished), [result.path for result in finished.values()]
         folder = _comparison_folder(out, plan.experiment.name, backend)
         rows = compare_metrics(paths, labels)
+        broken = {label: r.message or "" for label, r in results.items() if not r.is_measured}
         for row in rows:
-            row["values"] += [row.get("refused")] * len(refused)
+            row["values"] += [None] * len(broken) + [row.get("refused")] * len(refused)
+        columns = [*labels, *broken, *refused]
         content = {
-            "labels": [*labels, *refused],
+            "labels": columns,
             "runs": [str(path) for path in paths],
             "metrics": rows,
+            "faulted": broken,
             "refused": refused,
         }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
@@ -118,7 +124,9 @@ def compare(
         if as_json:
             print_json({**content, "loops": margins})
         else:
-            _print_table([*labels, *refused], rows, margins)
+            endings = {label: _ENDINGS.get(r.status, r.status) for label, r in results.items()}
+            endings |= dict.fromkeys(refused, "refused")
+            print_data("\n".join(table_lines(columns, rows, endings, margins)))
         kept = "compare.json" if interrupted else "compare.png"
         click.echo(f"{'table' if interrupted else 'figure'}: {folder / kept}", err=True)
     if interrupted:
@@ -218,29 +226,3 @@ def _comparison_folder(out: Path, experiment: str, backend: str) -> Path:
     folder = out / f"{stamp}-{experiment}-{backend}-compare"
     folder.mkdir(parents=True)
     return folder
-
-
-def _cell(value: float | str | None, unit: str) -> str:
-    from rig.config.formats import format_quantity
-
-    if value is None:
-        return "-"
-    return value if isinstance(value, str) else format_quantity(value, unit or "1")
-
-
-def _print_table(
-    labels: Sequence[str], rows: Sequence[ComparisonRow], margins: Mapping[str, str]
-) -> None:
-    cells = [["", *labels]]
-    for row in rows:
-        values = [_cell(value, row["unit"]) for value in row["values"]]
-        cells.append([row["name"], *values])
-    if margins:
-        cells.append(["linear loop", *(margins.get(label, "-") for label in labels)])
-    widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
-    lines = []
-    for line in cells:
-        texts = [line[0].ljust(widths[0])]
-        texts += [text.rjust(width) for text, width in zip(line[1:], widths[1:], strict=True)]
-        lines.append("  ".join(texts).rstrip())
-    print_data("\n".join(lines))

@@ -361,6 +361,11 @@ def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsy
     assert content["labels"] == ["amplitude 5 mm", "amplitude 8 mm", "amplitude 25 mm"]
     assert len(content["runs"]) == 2 and list(content["refused"]) == ["amplitude 25 mm"]
     assert "amplitude 25 mm: refused" in err and "limits.position" in err
+    code, out, err = compare(capsys, tmp_path, "--vary", "cylinder.limits.following=4 mm,0.01 mm")
+    content = json.loads(out)
+    assert code == 4 and content["labels"] == ["following 4 mm", "following 0.01 mm"]
+    assert "outside" in content["faulted"]["following 0.01 mm"]
+    assert content["metrics"][0]["values"][1] is None
     code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude=25 mm,26 mm")
     assert code == 2 and "at 26 mm" in err
     code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude")
