@@ -118,14 +118,15 @@ def compare(
             "refused": refused,
         }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
+        endings = {label: _ENDINGS.get(r.status, r.status) for label, r in results.items()}
+        endings |= dict.fromkeys(refused, "refused")
         if not interrupted:
-            draw_comparison(paths, labels, folder)
+            absent = {label: endings[label] for label in (*broken, *refused)}
+            draw_comparison(paths, labels, folder, absent)
         margins = {job.label: job.loop for job in jobs if job.loop and job.label in labels}
         if as_json:
             print_json({**content, "loops": margins})
         else:
-            endings = {label: _ENDINGS.get(r.status, r.status) for label, r in results.items()}
-            endings |= dict.fromkeys(refused, "refused")
             print_data("\n".join(table_lines(columns, rows, endings, margins)))
         kept = "compare.json" if interrupted else "compare.png"
         click.echo(f"{'table' if interrupted else 'figure'}: {folder / kept}", err=True)

@@ -1,7 +1,8 @@
 """Several runs of one experiment side by side: one figure and one table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from rig.hal import ConfigurationError
@@ -56,7 +57,10 @@ def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[
 
 
 def draw_comparison(
-    paths: Sequence[str | Path], labels: Sequence[str], folder: str | Path
+    paths: Sequence[str | Path],
+    labels: Sequence[str],
+    folder: str | Path,
+    absent: Mapping[str, str] = MappingProxyType({}),
 ) -> list[Path]:
     """Draw runs side by side, as their kind of rig wants it.
 
@@ -68,6 +72,8 @@ def draw_comparison(
         What to call each run.
     folder : Path
         Where ``compare.png`` and ``compare.svg`` go.
+    absent : mapping of str to str
+        Who is not drawn, and why in a word: ``refused``.
 
     Raises
     ------
@@ -77,6 +83,9 @@ def draw_comparison(
     runs = _load(paths, labels)
     with paper_style():
         figure = comparison_of(runs).draw(runs, labels)
+        if absent:
+            told = ", ".join(f"{label} ({why})" for label, why in absent.items())
+            figure.suptitle(f"not drawn: {told}", x=0.01, ha="left", fontsize=7.0)
         return save(figure, Path(folder), "compare", imprint_of([run.folder for run in runs]))
 
 

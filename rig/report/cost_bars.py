@@ -23,7 +23,7 @@ class Cost(NamedTuple):
     factor : float
         From SI to that unit.
     floor : float
-        In that unit; less is as good as nothing.
+        In that unit; less is written as less than that.
     bound : float, optional
         In that unit; drawn as a line.
     linear : bool
@@ -68,7 +68,8 @@ def draw_cost(
         if text:
             write_value(axes, text, cost.floor, row)
         elif np.isfinite(value):
-            write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
+            small = "0" if value == 0.0 else f"< {cost.floor:g}"
+            write_value(axes, f"{value:.3g}" if value > cost.floor else small, end, row)
     if cost.bound is not None:
         axes.axvline(cost.bound, color=INK, lw=0.8, ls=(0, (3, 1.5)))
     most = float(np.nanmax(shown)) if np.isfinite(shown).any() else 1.0

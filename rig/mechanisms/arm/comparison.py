@@ -88,7 +88,7 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     panels[-1].set_xlabel(TIME_LABEL)
     over_time.supylabel("joint rate over its limit", fontsize=8.5)
     panels[0].legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.16), ncols=6, frameon=False, borderaxespad=0.0
+        loc="lower left", bbox_to_anchor=(0.0, 1.16), ncols=7, frameon=False, borderaxespad=0.0
     )
     limits = runs[0].settings["geometry"]["rate_limits"]
     shares = [

@@ -1,5 +1,6 @@
 """Walks under several laws: both knees' rates one above the other, and what each law costs."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,13 @@ _COSTS = (
     ("path_deviation", Cost("off the path (mm)", 1e3, 1e-3)),
     ("leg_mismatch", Cost("legs disagree by (mm)", 1e3, 1e-3)),
     ("tilt", Cost("soles tilt by (mrad)", 1e3, 1e-3)),
+    ("feet_astray_end", Cost("feet end off their prints by (mm)", 1e3, 1e-2)),
+    ("tilt_max", Cost("waist tilts by (deg)", 180.0 / math.pi, 1e-2)),
+    ("slip_max", Cost("feet slip by (mm)", 1e3, 1e-2)),
+    ("knee_torque_max", Cost("greatest knee torque (N m)", 1.0, 1e-2)),
 )
+"""What is planned, and then what came of it; a figure has room for the first few."""
+_PANELS = 5
 
 
 def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
@@ -53,11 +60,11 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         (cost, values)
         for metric, cost in _COSTS
         if np.isfinite(values := metric_values(runs, metric)).any()
-    ]
-    for axes, (cost, values) in zip(
-        costs.subplots(max(len(known), 1), 1, squeeze=False)[:, 0], known, strict=False
-    ):
-        draw_cost(axes, cost, values, labels)
+    ][:_PANELS]
+    if known:
+        panels = costs.subplots(len(known), 1, squeeze=False)[:, 0]
+        for axes, (cost, values) in zip(panels, known, strict=True):
+            draw_cost(axes, cost, values, labels)
     return figure
 
 

@@ -101,6 +101,21 @@ def test_walks_side_by_side(run_of):
     ]
 
 
+def test_walks_of_which_nothing_planned_is_asked_show_what_came_of_them(run_of):
+    metrics = "metrics={fell: {segments: all}, tilt_max: {segments: all}}"
+    runs = [run_of("legs-walk", *BRISK, metrics)] * 2
+    with paper_style():
+        figure = LEGS_COMPARISON.draw(runs, ["one", "other"])
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles == ["one", "other", "waist tilts by (deg)"]
+    lean = np.degrees(metric_values(runs, "tilt_max")[0])
+    assert [bar.get_width() for bar in figure.axes[-1].patches] == pytest.approx([lean, lean])
+    untold = [run_of("legs-walk", *BRISK, "metrics={fell: {segments: all}}")] * 2
+    with paper_style():
+        figure = LEGS_COMPARISON.draw(untold, ["one", "other"])
+    assert len(figure.axes) == 2, "no frame without anything in it"
+
+
 def test_nothing_is_a_value_too(run_of):
     run = run_of("legs-walk", *BRISK, METRICS)
     assert metric_values([run], "fell").tolist() == [0.0]

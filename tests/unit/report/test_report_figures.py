@@ -167,6 +167,8 @@ def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
         recorder.write(3000, float(log.t[3000]), [math.nan] * len(log.columns))
     assert np.isnan(load_run(paths[1]).error[-1])
     draw_comparison(paths, labels, tmp_path / "compared")  # a broken sensor's run too
+    _, svg, *_ = draw_comparison(paths, labels, tmp_path / "less", {"esc": "refused"})
+    assert "not drawn: esc (refused)" in svg.read_text()
     with pytest.raises(ConfigurationError, match="3 runs and 1 labels"):
         draw_comparison(paths, ["pid"], tmp_path)
 
