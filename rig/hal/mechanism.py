@@ -62,8 +62,8 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""
 
     venting_time: float = 0.0
-    """How long after a fault or a stop at once nothing is taken for safe, whatever devices read, s:
-    a monitor that is broken says at once that a chamber is empty."""
+    """How long nothing is taken for safe, whatever devices read, s: a monitor that is broken says
+    at once that a chamber is empty, and one that is off says so too early."""
 
     brakes_itself: bool = False
     """Whether `balanced_command` brings a motion to rest, and control need not do it before."""

@@ -169,10 +169,9 @@ class Loop(Generic[State, Reference, Command]):
         except Exception as error:
             fault = error
         finally:
-            at_once = fault is not None or stop.count > 1
             unsafe = self.make_safe(
                 None if fault is None else self._recording(run, recorder),
-                self.mechanism.venting_time if at_once else 0.0,
+                self.mechanism.venting_time,
             )
             stop.in_loop = False
         if fault is None:

@@ -4,8 +4,8 @@
     python tests/benchmarks/legs_balance.py map [--count 1] [--first 1] [--figure FILE]
 
 ``trials`` prints the share of walks in which the robot did not fall, with its interval of 95 %
-after Wilson, for pushes of 0.1 to 1 N s from four sides, slopes of 3 degrees, a floor 5 mm lower
-than planned, and the two latter together with pushes. Both robots of a trial are the same unit
+after Wilson, for pushes of 0.1 to 1 N s to each of four sides, slopes of 3 degrees, a floor 5 mm
+lower than planned, and the two latter together with pushes to a side that is drawn. Both robots of a trial are the same unit
 under the same push. ``map`` searches the greatest push in 16 directions that the robot stands,
 beside what the capture point permits without a step, and draws it.
 
@@ -160,9 +160,9 @@ BRISK = ("reference.speed=5", "reference.landings=1", "law=sc-trapezoid")
 LOWER = ((_LANDS, "right_floor_lower", 5e-3),)
 
 
-def push_of(unit, duration):
-    """Return the push that a unit gets."""
-    x, y = SIDES[unit.side]
+def push_of(unit, duration, side):
+    """Return the push that a unit gets, towards a side or that which is drawn."""
+    x, y = SIDES[side or unit.side]
     fault = "forward.push" if x else "left.push"
     return (unit.share * duration, fault, (x + y) * unit.impulse)
 
@@ -173,11 +173,12 @@ def trial(condition, seed, duration):
     unit = Unit(seed, slope)
     events = LOWER if "lower" in condition else ()
     if "push" in condition:
-        events = (*events, push_of(unit, duration))
+        side = next((side for side in SIDES if condition.endswith(side)), None)
+        events = (*events, push_of(unit, duration, side))
     return unit, events
 
 
-CONDITIONS = ("push", "slope", "lower", "slope push", "lower push")
+CONDITIONS = (*(f"push {side}" for side in SIDES), "slope", "lower", "slope push", "lower push")
 
 
 def plans():
