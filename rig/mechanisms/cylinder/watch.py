@@ -9,7 +9,8 @@ from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
-from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
+from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
 from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
@@ -146,6 +147,8 @@ class PairWatch:
                 cause = self._balance.explain_off(error.value)
             if cause is None and isinstance(error, Shifted):
                 cause = self._explain_shift()
+        elif isinstance(error, PressureOff):
+            cause = explain_scatter(self._encoders, self._balance.rods)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:

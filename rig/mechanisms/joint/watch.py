@@ -14,7 +14,8 @@ from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.pulls import pull_balance
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
-from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
+from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 _SPEED_WINDOW = 0.01
@@ -145,6 +146,9 @@ class JointWatch:
         state : JointState
             Of the cycle in which it was.
         """
+        if isinstance(error, PressureOff):
+            cause = explain_scatter(self._encoders, self._balance.rods)
+            return error if cause is None else SafetyError(f"{cause} ({error})")
         k = self._running_rod(error, state.rods)
         if k is None:
             return error

@@ -266,9 +266,7 @@ def test_what_is_not_safe_in_time_is_told_and_nothing_waits_for_ever():
         (0.3, 1.0, False, 30),
     ],
 )
-def test_no_reading_is_believed_before_chambers_can_be_empty(
-    vents, safe_within, fails, cycles
-):
+def test_no_reading_is_believed_before_chambers_can_be_empty(vents, safe_within, fails, cycles):
     """A monitor frozen at nothing says at once that nothing is left, one that is off too soon."""
     bench = Bench(safe_within=safe_within)
     bench.mechanism.venting_time = vents

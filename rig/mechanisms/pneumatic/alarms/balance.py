@@ -141,6 +141,11 @@ class PullBalance:
         """Take a cycle's rods (m, run in) and what the monitors say, Pa gauge."""
         self._history.append((now, rods, pressures))
 
+    @property
+    def rods(self) -> list[Sequence[float]]:
+        """The rods of the last cycles, the latest last."""
+        return [rods for _, rods, _ in self._history]
+
     def explain(self, *, sticks: bool = False) -> str | None:
         """Return that a chamber has other air than its monitor says, or that somebody pushes.
 

@@ -36,6 +36,10 @@ _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
 
+class PressureOff(SafetyError):
+    """A pressure is not where a healthy regulator would have brought it."""
+
+
 class _Channel:
     """A healthy regulator's pressure for the setpoints that were sent, and when it was met.
 
@@ -229,7 +233,7 @@ class PressureWatch:
         bounds = self._bounds
         k = min(range(len(self._channels)), key=lambda k: self._channels[k].well_at)
         channel = self._channels[k]
-        raise SafetyError(
+        raise PressureOff(
             f"{self._device}: {self._explain()} [{self._names[k]}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
@@ -242,7 +246,7 @@ class PressureWatch:
         k = max(range(len(channels)), key=lambda k: channels[k].strangeness(bounds))
         name, channel = self._names[k], channels[k]
         moved = (channel.mean - channel.usual) * 1e-3
-        raise SafetyError(
+        raise PressureOff(
             f"{self._device}: {self._explain_strange(k)} [{name}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint {self._setpoints[k] * 1e-3:.0f} kPa; "
             f"the mean is {moved:+.1f} kPa off what is usual, at most "
