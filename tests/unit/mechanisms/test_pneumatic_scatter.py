@@ -54,8 +54,8 @@ def test_what_is_noise_alternates_by_two_fifths_at_least():
         drive = rng.normal(0.0, 1.0, 4000)
         for kick in drive:
             bends.append(follows * bends[-1] + math.sqrt(1.0 - follows**2) * kick)
-        power = sum(bend * bend for bend in bends)
-        lag = sum(a * b for a, b in pairwise(bends)) / power
+        power = float(sum(bend * bend for bend in bends))
+        lag = float(sum(a * b for a, b in pairwise(bends))) / power
         samples = np.cumsum(np.cumsum([0.0, 0.0, *bends])).tolist()
         assert (lag < -0.4) is is_noise, "the series itself"
         assert (scatter(samples) > 0.0) is is_noise
