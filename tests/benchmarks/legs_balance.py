@@ -6,8 +6,8 @@
 ``trials`` prints the share of walks in which the robot did not fall, with its interval of 95 %
 after Wilson, for pushes of 0.1 to 1 N s to each of four sides, slopes of 3 degrees, a floor 5 mm
 lower than planned, and the two latter together with pushes to a side that is drawn. Both robots of
-a trial are the same unit under the same push. ``map`` searches the greatest push in 16 directions that the robot stands,
-beside what the capture point permits without a step, and draws it.
+a trial are the same unit under the same push. ``map`` searches the greatest push in 16 directions
+that the robot stands, beside what the capture point permits without a step, and draws it.
 
 The loop, the law and the devices are those of `rig run --on sim`; whether the robot fell is what
 the plant says.

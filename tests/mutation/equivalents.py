@@ -99,6 +99,18 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "both begin there, and only their difference counts",
     ),
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/scatter.py",
+        "if not follows < _ALTERNATES * power:",
+        "follows < _ALTERNATES * power -> follows <= _ALTERNATES * power",
+        "they are the same where nothing bends, and then nothing scatters either",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/scatter.py",
+        "if most < _LEAST:",
+        "most < _LEAST -> most <= _LEAST",
+        "a deviation that is worked out is never exactly the bound",
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
         "_FASTEST = 1e6",
         "1000000.0 -> 2000000.0",
