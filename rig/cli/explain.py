@@ -58,7 +58,11 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
 
 
 def _line(label: str, text: str) -> str:
-    return textwrap.fill(f"{label}: {text}", _WIDTH, subsequent_indent="  ")
+    # A name with hyphens stays whole: it is copied into the next command.
+    return textwrap.fill(
+        f"{label}: {text}", _WIDTH, subsequent_indent="  ", break_on_hyphens=False,
+        break_long_words=False,
+    )  # fmt: skip
 
 
 def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:

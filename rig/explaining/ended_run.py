@@ -11,7 +11,8 @@ from rig.config.formats import format_against
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
-from rig.run_facts import RunStatus, read_events, read_manifest, read_metrics
+from rig.run_facts import RunStatus, read_events, read_metrics
+from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
 _SEEN = ("oscillation", "stick_slip")
@@ -45,7 +46,7 @@ def explain_run(folder: Path) -> list[Remark]:
     ConfigurationError
         The folder is none of a run, or is damaged.
     """
-    manifest = read_manifest(folder)
+    manifest = RunFolder.open(folder).manifest  # a process that died could not say so itself
     status, code = manifest["status"], manifest.get("exit_code")
     ended = status if code is None else f"{status}, exit code {code}"
     said = [Remark("run", f"{folder.name}: {ended}{_age(manifest.get('ended'))}")]
@@ -71,7 +72,7 @@ def explain_run(folder: Path) -> list[Remark]:
     if not topics:
         known = EXIT_CODES.get(str(code), "")
         means = f"{known} `rig export RUN --format csv` holds every quantity to the last cycle."
-        return [*said, Remark("means", means.strip())]
+        return [*said, Remark("means", means.strip().replace("RUN", folder.name))]
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]

@@ -150,7 +150,24 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     code, out, _ = said(capsys, "--runs", str(runs))
     assert code == 0
     assert "tracking_rms_01 is" in out
+    assert re.search(r"is \d+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
+
+
+def test_a_run_whose_process_was_killed_is_explained(tmp_path, capsys):
+    """Whoever asks first finds it so; nobody else need have looked at the folder before."""
+    runs = tmp_path / "runs"
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    assert invoke(args) == 0
+    [run] = runs.iterdir()
+    manifest = json.loads((run / "manifest.json").read_text())
+    manifest.update(status="running", exit_code=None, ended=None)
+    (run / "manifest.json").write_text(json.dumps(manifest))
+    capsys.readouterr()
+    code, out, _ = said(capsys, "--runs", str(runs))
+    assert code == 0
+    assert "crashed" in out and "kind: process_died" in out
+    assert f"rig report {run.name}" in " ".join(out.split())
 
 
 @pytest.mark.parametrize("word", ["sensitivity", "stable", "sim", "virtual", "vcan", "hardware"])
@@ -177,6 +194,14 @@ def test_a_metric_of_one_stretch_is_explained_by_its_measure(capsys):
             "or the carriage is pushed or held: 9 N are not those of the pressures",
             "pulls_disagree",
         ),
+        (
+            "the last second fits best: chamber of antagonist: it pulls as with 128 kPa less than "
+            "its monitor says; it leaks behind its tube, or the monitor is off",
+            "pulls_disagree",
+        ),
+        ("can0: the controller went bus-off [value bus-off]", "bus_off"),
+        ("can0: the controller is error passive; look at cable and termination", "bus_off"),
+        ("drive (node 0x21): EMCY 0x8140 (recovered from bus-off)", "emergency_message"),
     ],
 )
 def test_a_message_of_events_and_runs_has_its_kind(capsys, message, kind):
