@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rig.cli.loops import known_loops, loops_of
-from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
+from rig.cli.names import (
+    complete_rig,
+    configs_option,
+    json_option,
+    out_option,
+    seed_option,
+    set_option,
+    with_seed,
+)
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_json, print_tables
@@ -77,6 +85,7 @@ _DAY = 86_400.0
               help="Why hardware that is not commissioned is moved all the same.")  # fmt: skip
 @out_option
 @set_option
+@seed_option
 @configs_option
 @json_option
 def calibrate(rig: str, **options: Any) -> int:
@@ -91,6 +100,7 @@ def calibrate(rig: str, **options: Any) -> int:
     from rig.config.names import find_configs
 
     search, as_json = find_configs(options["configs"]), options["as_json"]
+    options["overrides"] = with_seed(options["overrides"], options["seed"])
     if options["diff"]:
         return show_difference(search, rig, *options["diff"], as_json=as_json)
     if options["restored"]:
@@ -184,7 +194,7 @@ def _calibrate(
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
-                return _tell_ended(procedure, profile, result, folders)
+                return _tell_ended(procedure, profile, result, folders, options)
         asks = partial(click.prompt, err=True)
         readings = read_instruments(
             procedure, profile, folders,
@@ -202,7 +212,7 @@ def _calibrate(
         click.echo(str(lack), err=True)
         return 0
     except CalibrationRefused as refusal:
-        return _tell_refused(procedure, profile, refusal, folders)
+        return _tell_refused(procedure, profile, refusal, folders, options)
     loops = _loops(profile, search, options, calibrated)
     done.append(_as_data(procedure, calibrated, loops))
     _show(procedure, calibrated, quiet=options["as_json"])
@@ -231,27 +241,38 @@ def _record(
         )  # fmt: skip
 
 
-def _again(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -> str:
+def _again(
+    procedure: AnyProcedure, profile: Profile, folders: Sequence[Path], options: dict[str, Any]
+) -> str:
     runs = " ".join(f"--from {path}" for path in folders)
-    return f"go on with: rig calibrate {profile.argument} {procedure.name} {runs}"
+    seed = "" if options["seed"] is None else f" --seed {options['seed']}"
+    return f"go on with: rig calibrate {profile.argument} {procedure.name}{seed} {runs}"
 
 
 def _tell_ended(
-    procedure: AnyProcedure, profile: Profile, result: Result, folders: Sequence[Path]
+    procedure: AnyProcedure,
+    profile: Profile,
+    result: Result,
+    folders: Sequence[Path],
+    options: dict[str, Any],
 ) -> int:
     click.echo(f"{result.status}: {result.message}", err=True)
-    again = _again(procedure, profile, folders)
+    again = _again(procedure, profile, folders, options)
     click.echo(f"nothing was changed; what was recorded is kept, {again}", err=True)
     return result.exit_code
 
 
 def _tell_refused(
-    procedure: AnyProcedure, profile: Profile, refusal: Exception, folders: Sequence[Path]
+    procedure: AnyProcedure,
+    profile: Profile,
+    refusal: Exception,
+    folders: Sequence[Path],
+    options: dict[str, Any],
 ) -> int:
     click.echo(f"{procedure.name}: {refusal}", err=True)
     click.echo("nothing was changed: the calibration before stays in force", err=True)
     if folders:
-        again = _again(procedure, profile, folders)
+        again = _again(procedure, profile, folders, options)
         click.echo(f"what was recorded is kept; if something is missing, {again}", err=True)
     return 1
 

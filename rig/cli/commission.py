@@ -16,7 +16,9 @@ from rig.cli.names import (
     configs_option,
     json_option,
     out_option,
+    seed_option,
     set_option,
+    with_seed,
     yes_option,
 )
 from rig.cli.on_option import OnBackend
@@ -53,6 +55,7 @@ _UNDER_WAY = 20e-3
 @yes_option
 @out_option
 @set_option
+@seed_option
 @configs_option
 @json_option
 def commission(rig: str, **options: Any) -> int:
@@ -73,7 +76,8 @@ def commission(rig: str, **options: Any) -> int:
     from rig.hal.files import check_writable
 
     search = find_configs(options["configs"])
-    profile = load_profile(rig, REGISTRY, options["overrides"], search)
+    overrides = with_seed(options["overrides"], options["seed"])
+    profile = load_profile(rig, REGISTRY, overrides, search)
     check_profile(profile)
     steps = steps_of(profile)
     if options["answers"] is not None:  # what is wrong with it is said before anything moves
@@ -99,7 +103,8 @@ def commission(rig: str, **options: Any) -> int:
     )  # fmt: skip
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
-    again = f"rig commission {profile.argument} --on {on}"
+    seed = "" if options["seed"] is None else f" --seed {options['seed']}"
+    again = f"rig commission {profile.argument} --on {on}{seed}"
     try:
         stopped = commission_rig(
             site, record, steps, search[0], lambda text: click.echo(text, err=True)

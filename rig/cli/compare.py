@@ -19,6 +19,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    with_seed,
     yes_option,
 )  # fmt: skip
 from rig.cli.tables import print_data, print_json
@@ -75,13 +76,10 @@ def compare(
     """
     from rig.cli.announce import may_move
     from rig.cli.compared_table import table_lines
-    from rig.config.setting import Setting
     from rig.experiment.plan import load_plan
     from rig.report.compare import compare_metrics, draw_comparison
 
-    options = list(overrides)
-    if seed is not None:
-        options.append(Setting(f"simulation.seed={seed}", f"--seed {seed}"))
+    options = with_seed(overrides, seed)
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if not may_move(plan, backend, yes):
         return 2

@@ -5,6 +5,7 @@ Completion runs at every press of the tabulator: it lists folders and opens no f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -147,6 +148,17 @@ set_option = click.option(
 seed_option = click.option(
     "--seed", type=int, help="Seed of the simulation; short for simulation.seed."
 )
+
+
+def with_seed(overrides: Sequence[str], seed: int | None) -> list[str]:
+    """Return settings with the one that ``--seed`` is short for."""
+    from rig.config.setting import Setting
+
+    if seed is None:
+        return list(overrides)
+    return [*overrides, Setting(f"simulation.seed={seed}", f"--seed {seed}")]
+
+
 rig_option = click.option(
     "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
     help="Another rig than the experiment's.",

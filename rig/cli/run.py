@@ -17,6 +17,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    with_seed,
     yes_option,
 )  # fmt: skip
 from rig.cli.on_option import FrameFormat, OnBackend
@@ -116,11 +117,9 @@ def run(
             raise click.UsageError(f"{option} is for a page: give --watch as well")
     if rehearse and beside is not None:
         raise click.UsageError("either --rehearse or --beside: one run is laid under the other")
-    options = list(overrides)
+    options = with_seed(overrides, seed)
     if controller is not None:
         options.append(Setting(f"controller={controller}", f"--controller {controller}"))
-    if seed is not None:
-        options.append(Setting(f"simulation.seed={seed}", f"--seed {seed}"))
     refuse_rig(
         experiment,
         find_configs(configs),

@@ -124,3 +124,22 @@ def test_nobody_to_ask_is_told(configs, capsys):
 def test_a_preview_says_what_moves_and_how_far(rig, procedure, moves, capsys):
     assert invoke(["calibrate", rig, procedure, "--dry-run"]) == 0
     assert moves in capsys.readouterr().err
+
+
+def test_another_seed_is_another_rig_of_whatever_is_said(configs, capsys):
+    """What the seed draws, here the instruments' errors, is another; the file keeps which it was."""
+    file = configs / "calibration" / "cylinder" / "cylinder.yaml"
+    found = {}
+    for seed in ("3", "4"):
+        assert calibrate(configs, "response", "--yes", "--on", "sim", "--seed", seed) == 0
+        assert f"seed: {seed}" in file.read_text()
+        found[seed] = capsys.readouterr().out
+    assert found["3"] != found["4"]
+
+
+def test_what_was_broken_off_goes_on_with_its_seed(configs, capsys):
+    stop = "simulation.faults=[{at: 5, device: regulators, fault: emergency_stop}]"
+    words = ("response", "--yes", "--on", "sim", "--set", stop)
+    assert calibrate(configs, *words, "--seed", "3") == 4
+    assert "rig calibrate" in (told := capsys.readouterr().err)
+    assert "response --seed 3 --from" in told

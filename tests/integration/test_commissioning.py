@@ -103,6 +103,7 @@ def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, cap
     steps = [s for s in steps_of(unit("cylinder", 1)) if s.name in ("bus", "first-motion")]
     monkeypatch.setattr("rig.commissioning.session.steps_of", lambda _: steps)
     words = ["commission", "cylinder", "--configs", str(configs), "--out", str(tmp_path / "runs")]
+    words += ["--seed", "1"]
     # As Ctrl-C while it is connected or moves: the run ends in order, and says so.
     with monkeypatch.context() as pressed:
         aborted = SimpleNamespace(exit_code=130, status=RunStatus.ABORTED, message="interrupted")
@@ -112,7 +113,7 @@ def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, cap
     assert "FAILED" not in told
     assert told.endswith(
         "interrupted; what has passed is kept, go on with: rig commission "
-        f"{configs / 'rigs' / 'cylinder.yaml'} --on virtual\n"
+        f"{configs / 'rigs' / 'cylinder.yaml'} --on virtual --seed 1\n"
     )
     assert invoke(words) == 0
     told = capsys.readouterr().err
