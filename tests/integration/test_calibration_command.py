@@ -127,7 +127,7 @@ def test_a_preview_says_what_moves_and_how_far(rig, procedure, moves, capsys):
 
 
 def test_another_seed_is_another_rig_of_whatever_is_said(configs, capsys):
-    """What the seed draws, here the instruments' errors, is another; the file keeps which it was."""
+    """What the seed draws is another rig; the file keeps which it was."""
     file = configs / "calibration" / "cylinder" / "cylinder.yaml"
     found = {}
     for seed in ("3", "4"):
