@@ -194,7 +194,7 @@ def _calibrate(
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
-                return _tell_ended(procedure, profile, result, folders, options)
+                return _tell_ended(procedure, profile, result, folders, options["seed"])
         asks = partial(click.prompt, err=True)
         readings = read_instruments(
             procedure, profile, folders,
@@ -212,7 +212,7 @@ def _calibrate(
         click.echo(str(lack), err=True)
         return 0
     except CalibrationRefused as refusal:
-        return _tell_refused(procedure, profile, refusal, folders, options)
+        return _tell_refused(procedure, profile, refusal, folders, options["seed"])
     loops = _loops(profile, search, options, calibrated)
     done.append(_as_data(procedure, calibrated, loops))
     _show(procedure, calibrated, quiet=options["as_json"])
@@ -242,11 +242,11 @@ def _record(
 
 
 def _again(
-    procedure: AnyProcedure, profile: Profile, folders: Sequence[Path], options: dict[str, Any]
+    procedure: AnyProcedure, profile: Profile, folders: Sequence[Path], seed: int | None
 ) -> str:
     runs = " ".join(f"--from {path}" for path in folders)
-    seed = "" if options["seed"] is None else f" --seed {options['seed']}"
-    return f"go on with: rig calibrate {profile.argument} {procedure.name}{seed} {runs}"
+    drawn = "" if seed is None else f" --seed {seed}"
+    return f"go on with: rig calibrate {profile.argument} {procedure.name}{drawn} {runs}"
 
 
 def _tell_ended(
@@ -254,10 +254,10 @@ def _tell_ended(
     profile: Profile,
     result: Result,
     folders: Sequence[Path],
-    options: dict[str, Any],
+    seed: int | None,
 ) -> int:
     click.echo(f"{result.status}: {result.message}", err=True)
-    again = _again(procedure, profile, folders, options)
+    again = _again(procedure, profile, folders, seed)
     click.echo(f"nothing was changed; what was recorded is kept, {again}", err=True)
     return result.exit_code
 
@@ -267,12 +267,12 @@ def _tell_refused(
     profile: Profile,
     refusal: Exception,
     folders: Sequence[Path],
-    options: dict[str, Any],
+    seed: int | None,
 ) -> int:
     click.echo(f"{procedure.name}: {refusal}", err=True)
     click.echo("nothing was changed: the calibration before stays in force", err=True)
     if folders:
-        again = _again(procedure, profile, folders, options)
+        again = _again(procedure, profile, folders, seed)
         click.echo(f"what was recorded is kept; if something is missing, {again}", err=True)
     return 1
 
