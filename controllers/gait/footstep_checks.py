@@ -16,6 +16,10 @@ _ROUNDING = 1e-9
 Corners = list[tuple[float, float]]
 
 
+class BeyondLeg(InfeasibleMotion):
+    """A leg does not reach, or a joint leaves its range: with other hips it might not."""
+
+
 class MeetsGround(InfeasibleMotion):
     """A swinging sole is too low to clear the ground of its own footprints."""
 
@@ -32,7 +36,7 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
 
     Raises
     ------
-    InfeasibleMotion
+    BeyondLeg, InfeasibleMotion
         With the phase, the share of its path, the number and its bound.
     """
     limits = geometry.limits
@@ -44,11 +48,11 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
             try:
                 angles = inverse(geometry, path.at(xi), path.rotation(xi))
             except InfeasibleMotion as error:
-                raise InfeasibleMotion(f"{where}, {LEGS[leg]} leg: {error}") from error
+                raise BeyondLeg(f"{where}, {LEGS[leg]} leg: {error}") from error
             for joint, angle in enumerate(angles, 6 * leg):
                 low, high = limits[joint]
                 if not low - _ROUNDING <= angle <= high + _ROUNDING:
-                    raise InfeasibleMotion(
+                    raise BeyondLeg(
                         f"{where}: {AXIS_NAMES[joint]} would be at {math.degrees(angle):.2f} deg, "
                         f"outside {math.degrees(low):g} … {math.degrees(high):g} deg."
                     )
@@ -71,7 +75,8 @@ def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) 
     heights = _heights(at, attitude, sole)
     for share in (0.0, 1.0):
         place, lies = phase.foot_at(swings, share), phase.attitude_at(swings, share)
-        if _gap(sole, sole_corners(geometry, place, lies)) >= 0.0:
+        apart = _gap(sole, sole_corners(geometry, place, lies))
+        if apart >= 0.0:
             continue
         levels = _heights(place, lies, sole)
         below = max(level - height for height, level in zip(heights, levels, strict=True))
@@ -79,8 +84,9 @@ def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) 
             continue
         if xi in (0.0, 1.0):
             raise InfeasibleMotion(
-                f"{where}: the {LEGS[swings]} print overlaps the one before it, and the ground "
-                f"there would have two heights, {below * 1e3:.1f} mm apart."
+                f"{where}: the {LEGS[swings]} print overlaps the one before it by "
+                f"{-apart * 1e3:.1f} mm, and the ground there would have two heights, "
+                f"{below * 1e3:.1f} mm apart."
             )
         raise MeetsGround(
             f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.1f} mm below where it "

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from controllers.bisection import bisect
 from controllers.gait.footprints import Footstep, SteppingSettings
-from controllers.gait.footstep_checks import MeetsGround, check_phase
+from controllers.gait.footstep_checks import BeyondLeg, MeetsGround, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.kinematics import Vector
 from controllers.gait.phases import GaitPhase
@@ -16,7 +16,7 @@ from controllers.motion import InfeasibleMotion
 
 _ROUNDS = 12
 _LEAST = 0.1
-"""Share of a step that is tried at least."""
+"""Share of a step that is tried at least, and between the shares that are tried first."""
 _STAYS = 1e-3
 """m and rad; a foot that goes no farther comes down where it stood."""
 
@@ -90,16 +90,35 @@ def plan_footsteps(
         and how much of the step would fit.
     """
     walk = _walk(geometry, settings, steps)
-    hip = _hip_height(geometry, settings, walk)
+    needs = _needs(geometry, settings, walk)
+    lowest = min(needs, key=lambda need: need.hips)
+    hip = lowest.hips if settings.hip is None else settings.hip
     phases, numbers = _phases(geometry, settings, steps, walk, hip)
-    for phase, number in zip(phases, numbers, strict=True):
+    for place, (phase, number) in enumerate(zip(phases, numbers, strict=True)):
         try:
             check_phase(geometry, phase)
         except InfeasibleMotion as error:
+            if settings.hip is None and isinstance(error, BeyondLeg):
+                own = min(need.hips for need in needs if need.step in (number, number + 1))
+                higher, _ = _phases(geometry, settings, steps, walk, own)
+                if own > hip and _passes(geometry, higher[place]):
+                    hint = _what_fits(geometry, settings, steps, lowest.step, None, low=False)
+                    raise InfeasibleMotion(
+                        f"step {lowest.step} needs the hips at {hip * 1e3:.1f} mm over the "
+                        f"standing ankle, which is too low for step {number}: {error}{hint}"
+                    ) from error
             low = isinstance(error, MeetsGround)
-            hint = _what_fits(geometry, settings, steps, number, hip, low)
+            hint = _what_fits(geometry, settings, steps, number, hip, low=low)
             raise InfeasibleMotion(f"step {number}, {error}{hint}") from error
     return phases
+
+
+def _passes(geometry: LegGeometry, phase: GaitPhase) -> bool:
+    try:
+        check_phase(geometry, phase)
+    except InfeasibleMotion:
+        return False
+    return True
 
 
 def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]) -> _Walk:
@@ -131,20 +150,36 @@ def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Foo
     return _Walk(tuple(stances), start, (feet[0], feet[1]))
 
 
-def _hip_height(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> float:
-    """Return the hips' height above the standing ankle, m: the step that needs the lowest sets it.
+class _Need(NamedTuple):
+    """The greatest height of the hips that a foot permits.
+
+    Parameters
+    ----------
+    step : int
+        The number of the step that put it there, or the feet it stands among.
+    hips : float
+        At most, above the standing ankle, m.
+    """
+
+    step: int
+    hips: float
+
+
+def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> list[_Need]:
+    """Return how high each foot lets the hips be; the lowest sets the height of the whole walk.
 
     Along a straight way of the waist a hip is farthest from its ankle at an end, so these count.
+    Where the foot that stays behind is farthest, it is the step before that went too far ahead.
     """
     reach = geometry.distance(settings.knee_min)
-    lowest = math.inf
+    needs: list[_Need] = []
     for number, stance in enumerate(walk.stances, 1):
         s, c = math.sin(stance.yaw), math.cos(stance.yaw)
         x, y, height = stance.over
-        for leg, sole in (
-            (1 - stance.leg, stance.support),
-            (stance.leg, stance.before),
-            (stance.leg, stance.after),
+        for leg, sole, step in (
+            (1 - stance.leg, stance.support, number),
+            (stance.leg, stance.before, max(number - 1, 1)),
+            (stance.leg, stance.after, number),
         ):
             side = geometry.side(leg)
             ankle = sole.ankle(geometry)
@@ -163,8 +198,8 @@ def _hip_height(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) 
                     f"the standing ankle leave the {LEGS[leg]} foot out of reach; at "
                     f"{math.floor(most * 1e4) / 10:.1f} mm it would fit."
                 )
-            lowest = min(lowest, most)
-    return lowest if settings.hip is None else settings.hip
+            needs.append(_Need(step, most))
+    return needs
 
 
 def _phases(
@@ -235,10 +270,15 @@ def _what_fits(
     settings: SteppingSettings,
     steps: Sequence[Footstep],
     number: int,
-    hip: float,
+    hip: float | None,
+    *,
     low: bool,
 ) -> str:
-    """Say how much of a step, from beside the standing foot to where it was to go, would fit."""
+    """Say how much of a step, from beside the standing foot to where it was to go, would fit.
+
+    With hips of a given height all before it is known to. Without, they are as high as the steps
+    up to it let them be, until the other foot has left the ground, and all of these have to fit.
+    """
     before = list(steps[:number])
     asked = before.pop()
     stance = _walk(geometry, settings, [*before, asked]).stances[-1]
@@ -255,12 +295,19 @@ def _what_fits(
 
     def fits(step: Footstep) -> bool:
         tried = [*before, step]
+        first = number - 1
         try:
-            phases, numbers = _phases(
-                geometry, settings, tried, _walk(geometry, settings, tried), hip
-            )
+            if hip is None:
+                tried += steps[number : number + 1]
+                first = 1
+            walk = _walk(geometry, settings, tried)
+            height = hip
+            if height is None:
+                needs = _needs(geometry, settings, walk)
+                height = min(need.hips for need in needs if need.step <= number)
+            phases, numbers = _phases(geometry, settings, tried, walk, height)
             for phase, its in zip(phases, numbers, strict=True):
-                if its >= number - 1:
+                if first <= its <= number:
                     check_phase(geometry, phase)
         except InfeasibleMotion:
             return False
@@ -270,11 +317,15 @@ def _what_fits(
         lift = times * (asked.lift or settings.lift)
         if lift <= 0.3 and fits(replace(asked, lift=lift)):
             return f" A lift of {lift * 1e3:.0f} mm would fit."
-    if not fits(part(_LEAST)):
+    # Not all that is less fits: on the edge of a tread a short step is none.
+    shares = (1.0 - _LEAST * k for k in range(1, round(1.0 / _LEAST)))
+    share = next((share for share in shares if fits(part(share))), None)
+    if share is None:
         return ""
-    most = part(bisect(lambda share: fits(part(share)), _LEAST, 1.0, _ROUNDS)[0])
+    most = part(bisect(lambda at: fits(part(at)), share, share + _LEAST, _ROUNDS)[0])
+    what = f"step {number}" if hip is None else "it"
     return (
-        f" From beside the standing foot it would fit as far as x {most.x * 1e3:.1f} mm, "
+        f" From beside the standing foot {what} would fit as far as x {most.x * 1e3:.1f} mm, "
         f"y {most.y * 1e3:.1f} mm, heading {math.degrees(most.heading):.1f} deg, "
         f"height {most.height * 1e3:.1f} mm."
     )

@@ -184,7 +184,7 @@ REFUSED = {
     "two heights": (
         (Footstep("right", 0.03, -0.039, height=0.01),),
         {},
-        r"step 1, .*the ground there would have two heights, 10\.0 mm apart",
+        r"step 1, .* before it by \d+\.\d mm, and the ground there would have two heights, 10\.0",
     ),
     "slope": (
         (Footstep("right", 0.1, -0.039, roll=0.5),),
@@ -199,6 +199,27 @@ def test_a_step_that_cannot_be_done_is_refused_with_its_number_and_what_would_fi
     steps, others, words = REFUSED[what]
     with pytest.raises(InfeasibleMotion, match=words):
         phases(steps=steps, **others)
+
+
+@pytest.mark.parametrize("far", [0.14, 0.15])
+def test_hips_too_low_for_one_step_are_told_with_the_step_that_needs_them(far):
+    """The hips have one height all along: a step that is too long bends the knees of all others."""
+    steps = [
+        Footstep("left", 0.03, 0.04, heading=math.radians(8.0)),
+        Footstep("right", 0.05, -0.036, heading=math.radians(8.0)),
+        Footstep("left", 0.086, 0.046),
+        Footstep("right", 0.086 + far, -0.03),
+        Footstep("left", 0.086 + far, 0.046),
+    ]
+    with pytest.raises(InfeasibleMotion) as refused:
+        phases(steps=tuple(steps))
+    told = str(refused.value)
+    assert re.match(r"step 4 needs the hips at \d+\.\d mm .* too low for step [1-3]: ", told), told
+    assert "step 4 would fit as far as x" in told
+    steps[3] = Footstep(
+        "right", float(re.search(r"far as x (\S+) mm", told)[1]) / 1e3 - 1e-4, -0.03
+    )
+    assert phases(steps=tuple(steps[:4]))
 
 
 @pytest.mark.parametrize("seed", range(8))
