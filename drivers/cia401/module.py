@@ -283,6 +283,13 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         """Return whether the stop was pressed at any look since `connect`."""
         return self._was_pressed
 
+    def stop_place(self) -> str:
+        """Return the module and its digital input."""
+        where = f"{self.name} (node 0x{self._module.node:02X})"
+        if self._module.stop_bit is None:
+            return where
+        return f"{where} at bit {self._module.stop_bit} of its inputs [object {DIGITAL_INPUT}]"
+
     def look(self) -> None:
         """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
         if self._stop:

@@ -88,6 +88,16 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
         """Return whether the stop was pressed at any look since `connect`."""
         return self._contact is None or self._contact.was_pressed
 
+    def stop_place(self) -> str:
+        """Return the drive and its digital input."""
+        contact, drive = self.settings.stop_contact, self._watched
+        if contact is None:
+            return self.name
+        return (
+            f"{self.name}, the drive of {contact.joint} (node 0x{drive.settings.node:02X}) at bit "
+            f"{contact.bit} of its inputs [object {DIGITAL_INPUTS}]"
+        )
+
     def look(self) -> None:
         """Ask for the contact by SDO, unless its drive is being configured by SDO itself."""
         if self._contact is not None and not self._is_spoken_to:

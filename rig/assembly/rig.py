@@ -199,9 +199,12 @@ class Rig:
         if stop is None:
             return
         if stop.emergency_stop().value:
-            raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            raise EmergencyStop.open_at(stop.stop_place())
         if stop.was_pressed():
-            raise EmergencyStop("the emergency stop was pressed while connecting, and released")
+            raise EmergencyStop(
+                "the emergency stop was pressed while connecting, and released; its contact is "
+                f"read by {stop.stop_place()}"
+            )
 
     def close(self) -> None:
         """Make safe and release everything; idempotent.

@@ -289,6 +289,10 @@ class EmergencyStopInput(Protocol):
         """Return whether the stop was pressed at any look since `connect`, be it released again."""
         return self.emergency_stop().value
 
+    def stop_place(self) -> str:
+        """Return which device reads the contact, and at which of its inputs, for messages."""
+        return str(getattr(self, "name", type(self).__name__))
+
     def look(self) -> None:
         """Read the contact now, outside the cycle: between the steps of connecting a rig.
 

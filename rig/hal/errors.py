@@ -199,6 +199,13 @@ class StaleReading(SafetyError):
 class EmergencyStop(SafetyError):
     """The emergency stop was pressed."""
 
+    @classmethod
+    def open_at(cls, place: str) -> "EmergencyStop":
+        """Return the error of a contact that is open, with the device and input that read it."""
+        return cls(
+            "the emergency stop is pressed or its circuit is open; its contact is read by " + place
+        )
+
 
 class LoopStalled(SafetyError):
     """The control loop missed more deadlines than it may."""

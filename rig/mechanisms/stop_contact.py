@@ -34,9 +34,10 @@ class StopContact:
             return
         pressed, t = self.device.emergency_stop()
         if pressed or self.device.was_pressed():
-            raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            raise EmergencyStop.open_at(self.device.stop_place())
         if now - t > self._oldest:
-            raise StaleReading("emergency stop", now - t, self._oldest)
+            place = f"the emergency stop that {self.device.stop_place()} reads"
+            raise StaleReading(place, now - t, self._oldest)
 
     def ignore(self) -> None:
         """Do not watch it from now on: there is no contact where a log is replayed."""

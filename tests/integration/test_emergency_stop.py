@@ -22,6 +22,15 @@ RIGS = {
     "arm": ("arm-elbow-turnback",),
     "legs-can": ("legs-squat",),
 }
+REGULATORS = "regulators (node 0x10) at bit 0 of its inputs [object 0x6000:01]"
+DRIVES = "the drive of {} (node 0x01) at bit 16 of its inputs [object 0x60FD:00]"
+PLACES = {
+    ("cylinder", Backend.VIRTUAL): REGULATORS,
+    ("joint", Backend.VIRTUAL): REGULATORS,
+    ("arm", Backend.VIRTUAL): f"drives, {DRIVES.format('q1')}",
+    ("legs-can", Backend.VIRTUAL): f"right-leg, {DRIVES.format('right_hip_yaw')}",
+}
+"""Who reads the contact, and where; on sim there are devices without nodes."""
 READS = {"cylinder": "regulators", "joint": "regulators", "arm": "drives", "legs-can": "right-leg"}
 GENERATOR = np.random.default_rng(10)
 FIRST_LOOK = {"cylinder": 0.04, "joint": 0.06, "arm": 0.07, "legs-can": 0.07}
@@ -79,6 +88,7 @@ def test_a_press_while_connecting_is_not_forgotten(tmp_path, rig, backend, when,
     assert (result.exit_code, result.status.value) == (3, "faulted")
     released = end < begins - 0.005
     assert ("was pressed while connecting" in result.message) >= released
+    assert READS[rig] in result.message
     assert result.message.startswith("the emergency stop ")
     events = RunFolder.open(result.path).events()
     assert not any(event["kind"] == "state" and "running" in event["message"] for event in events)
@@ -89,7 +99,10 @@ def test_a_press_while_connecting_is_not_forgotten(tmp_path, rig, backend, when,
 def test_a_circuit_that_is_open_from_the_start_energises_nothing(tmp_path, rig, backend):
     result = run(tmp_path, rig, backend, [(0.0, 60.0)])
     assert (result.exit_code, result.status.value) == (3, "faulted")
-    assert result.message == "the emergency stop is pressed or its circuit is open"
+    place = PLACES.get((rig, backend), READS[rig])
+    assert result.message == (
+        f"the emergency stop is pressed or its circuit is open; its contact is read by {place}"
+    )
 
 
 @pytest.mark.parametrize("backend", [Backend.VIRTUAL, Backend.SIM])
