@@ -106,7 +106,7 @@ def run_experiment(
     watcher : Watcher, optional
         Is told what happens.
     report : bool
-        Draw figures and write the report.
+        Draw figures and write the report, unless somebody ended the run.
     frames : str, optional
         Record the CAN buses, in one of `rig.assembly.frame_recording.FORMATS`.
     heed_calibrations : bool
@@ -187,7 +187,12 @@ def run_experiment(
     if ending.bug is not None:
         raise ending.bug  # the rig is safe by now, and the traceback is wanted
     if report:
-        _report(folder.path, watcher)
+        if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
+            watcher.said(
+                f"figures and report are not drawn of what was ended: rig report {folder.path}"
+            )
+        else:
+            _report(folder.path, watcher)
     return Result(
         folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured)
     )
