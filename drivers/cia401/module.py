@@ -285,10 +285,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
 
     def stop_place(self) -> str:
         """Return the module and its digital input."""
-        where = f"{self.name} (node 0x{self._module.node:02X})"
-        if self._module.stop_bit is None:
-            return where
-        return f"{where} at bit {self._module.stop_bit} of its inputs [object {DIGITAL_INPUT}]"
+        return self._module.stop_place(self.name)
 
     def look(self) -> None:
         """Ask for the contact by SDO; see `EmergencyStopInput.look`."""

@@ -99,6 +99,13 @@ class ModuleSettings(NodeSettings):
         digital = (DIGITAL_OUTPUT,) if self.opening_bits else ()
         return (*(channel.setpoint.entry for channel in self.wired.values()), *digital)
 
+    def stop_place(self, name: str) -> str:
+        """Return where a device of that name reads the emergency stop, for messages."""
+        where = f"{name} (node 0x{self.node:02X})"
+        if self.stop_bit is None:
+            return where
+        return f"{where} at bit {self.stop_bit} of its inputs [object {DIGITAL_INPUT}]"
+
     @property
     def transmit_entries(self) -> Layout:
         """What the module sends each cycle, in order."""

@@ -16,11 +16,11 @@ from rig.hal import (
     ContractBroken,
     CyclicBus,
     Device,
+    EmergencyStopInput,
     Mechanism,
     MotionRefused,
     SeveralErrors,
 )
-from rig.hal.devices import EmergencyStopInput
 from rig.hal.fits import where
 from rig.hal.motion import Motion
 

@@ -189,7 +189,7 @@ def run_experiment(
     if report:
         if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
             watcher.said(
-                f"figures and report are not drawn of what was ended: rig report {folder.path}"
+                f"ended by hand, so no figures are drawn; draw them with: rig report {folder.path}"
             )
         else:
             _report(folder.path, watcher)

@@ -11,7 +11,6 @@ from rig.hal.columns import Column
 from rig.hal.controller import Controller, Law
 from rig.hal.devices import (
     Device,
-    EmergencyStopInput,
     InertialSensor,
     LinearEncoder,
     LoadCells,
@@ -53,6 +52,7 @@ from rig.hal.plant import (
     RestorablePlant,
 )
 from rig.hal.reading import Reading
+from rig.hal.stop_input import EmergencyStopInput
 from rig.hal.targets import Targets
 
 __all__ = [

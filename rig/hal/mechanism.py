@@ -7,12 +7,13 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
 from rig.hal.controller import Law
-from rig.hal.devices import Device, EmergencyStopInput
+from rig.hal.devices import Device
 from rig.hal.driver import AxisBounds
 from rig.hal.errors import ConfigurationError
 from rig.hal.freeze import Freeze
 from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
+from rig.hal.stop_input import EmergencyStopInput
 from rig.hal.targets import Targets
 
 Settings = TypeVar("Settings")

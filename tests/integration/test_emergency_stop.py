@@ -154,7 +154,7 @@ def test_a_drive_that_a_bus_has_stopped_tells_of_its_contact():
 class Contact(EmergencyStopInput):
     """A contact of somebody's own, which remembers nothing."""
 
-    pressed = False
+    name, pressed = "button", False
 
     def emergency_stop(self):
         return Reading(self.pressed, 0.0)
@@ -167,5 +167,5 @@ def test_a_contact_that_remembers_nothing_is_asked_for_what_it_is():
     contact.look()
     contact.pressed = True
     assert contact.was_pressed()
-    with pytest.raises(EmergencyStop):
+    with pytest.raises(EmergencyStop, match="read by button"):
         watch.check(0.05)

@@ -91,7 +91,7 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
     class Operator(Watcher):
         """Presses Ctrl-C in mid-run."""
 
-        asked = False
+        asked, told = False, ()
 
         def progressed(self, progress):
             if progress.t > 1.0 and not self.asked:
@@ -99,8 +99,14 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
                 for number in signals:
                     os.kill(os.getpid(), number)
 
-    result = run_experiment(plan(), Backend.VIRTUAL, tmp_path, watcher=Operator(), report=False)
+        def said(self, sentence):
+            self.told += (sentence,)
+
+    operator = Operator()
+    result = run_experiment(plan(), Backend.VIRTUAL, tmp_path, watcher=operator)
     assert (result.exit_code, result.status.value) == (130, "aborted")
+    assert not (result.path / "report.html").exists(), "whoever ends it does not wait for figures"
+    assert operator.told[-1].endswith(f"rig report {result.path}")
     assert message in result.message
     log = read_log(result.path / "log.mcap")
     assert log.column("phase")[-1] == 2.0
