@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from controllers.cylinder.types import PairState
@@ -139,7 +140,7 @@ class PairWatch:
         if isinstance(error, DeviceFault) and error.device in self._encoders:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
-            if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * self._step:
+            if self._runs(k):
                 cause = self._explain_run() or self._pressures.suspicion() or self._explain_push(k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
@@ -206,6 +207,7 @@ class PairWatch:
     def _explain_mismatch(self, change: float) -> str:
         """Return why the rods disagree; a wire holds a rod back, and never pushes it out."""
         cause = self._explain_still() or self._explain_run() or self._explain_against()
+        cause = cause or self._explain_blow()
         if cause is not None:
             return cause
         slack = "" if change > 0.0 else "a wire is slack, or "
@@ -253,6 +255,21 @@ class PairWatch:
             return None
         return f"the carriage was pushed or struck: it pulls the rod of {CHANNELS[k]} out"
 
+    def _explain_blow(self) -> str | None:
+        """Return that somebody pushed, if one rod runs out cycle after cycle and the other in.
+
+        A wire does not pass that on at once.
+        """
+        late = [each.extensions for each in self._history][-_RECENT:]
+        for k in range(2):
+            goes_on = len(late) == _RECENT and all(
+                before[k] < after[k] and before[1 - k] > after[1 - k]
+                for before, after in pairwise(late)
+            )
+            if goes_on and self._runs(k):
+                return self._explain_push(k)
+        return None
+
     def _explain_shift(self) -> str | None:
         """Return which chamber fills more slowly than the other, if that can move the pair."""
         pulls = self._history[-1].pulls
@@ -287,6 +304,9 @@ class PairWatch:
                 return f"{self._encoders[k]} is mirrored or drifts: it goes against the pull"
         return None
 
-    def _ran(self, k: int) -> float:
-        """Return how far a rod went in the last checked cycle, m."""
-        return abs(self._history[-1].extensions[k] - self._history[-2].extensions[k])
+    def _runs(self, k: int) -> bool:
+        """Return whether a rod was about as fast as permitted in the last checked cycle."""
+        if len(self._history) < 2:
+            return False
+        ran = abs(self._history[-1].extensions[k] - self._history[-2].extensions[k])
+        return ran > _JUMP * self._limits.speed * self._step

@@ -182,6 +182,37 @@ def against(places, pulls, changes, least):
     return None
 
 
+def pushed(places):
+    """Return whether a rod has run out for three cycles while the other one ran in."""
+    steps = np.diff(places[-4:], axis=0)
+    for k in range(2):
+        goes = len(steps) == 3 and (steps[:, k] > 0.0).all() and (steps[:, 1 - k] < 0.0).all()
+        if goes and steps[-1, k] > 0.3 * SPEED * PERIOD:
+            return -steps[-1, 1 - k] >= 0.1 * steps[-1, k]
+    return False
+
+
+@pytest.mark.parametrize("pulled", range(2))
+@pytest.mark.parametrize("cycles", [2, 3])
+@pytest.mark.parametrize("size", [0.99, 1.01])
+def test_a_blow_makes_rods_disagree_before_a_wire_has_passed_it_on(pulled, cycles, size):
+    """One rod runs out cycle after cycle, and the other one in."""
+    rods = Rods(change=CHANGE)
+    rods.settle()
+    out = size * 0.3 * SPEED * PERIOD
+    ways = [-out, -out]
+    ways[pulled] = out
+    place = np.zeros(2)
+    for _ in range(cycles):
+        place = place + ways
+        rods.cycle(*place)
+    said = rods.watch._explain_blow()
+    is_told = cycles == 3 and size > 1.0
+    rod = ("agonist", "antagonist")[pulled]
+    told = f"the carriage was pushed or struck: it pulls the rod of {rod} out"
+    assert said == (told if is_told else None)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_the_encoder_that_goes_against_the_pull_is_named(seed):
     """Drawn ways of both rods and drawn pressures, until the rods no longer agree."""
@@ -215,7 +246,8 @@ def test_the_encoder_that_goes_against_the_pull_is_named(seed):
         k = against(np.array(places), np.array(pressures) * area, changes, least)
         found[k] += 1
         if k is None:
-            assert "drifts or has a wrong scale" in said
+            blow = pushed(np.array(places))
+            assert ("the carriage was pushed" if blow else "drifts or has a wrong scale") in said
         else:
             assert f"({NAMES[k]} is mirrored or drifts: it goes against the pull)" in said
     assert found[None] > 1
