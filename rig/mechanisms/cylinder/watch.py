@@ -306,7 +306,5 @@ class PairWatch:
 
     def _runs(self, k: int) -> bool:
         """Return whether a rod was about as fast as permitted in the last checked cycle."""
-        if len(self._history) < 2:
-            return False
-        ran = abs(self._history[-1].extensions[k] - self._history[-2].extensions[k])
-        return ran > _JUMP * self._limits.speed * self._step
+        late = [each.extensions[k] for each in self._history][-2:]
+        return abs(late[-1] - late[0]) > _JUMP * self._limits.speed * self._step

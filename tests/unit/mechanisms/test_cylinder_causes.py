@@ -19,6 +19,7 @@ from pneumatic_fakes import (
 
 from controllers.cylinder.types import PairState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
+from rig.mechanisms.pneumatic.alarms.pressures import PressureOff
 from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
@@ -122,6 +123,20 @@ def test_a_limit_that_was_explained_already_is_left_alone():
     assert rods.watch.explain(caught.value) is caught.value
 
 
+def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause():
+    rods = Rods()
+    for k in range(32):
+        rods.cycle(0.0, TINY * (-1.0) ** k)
+    off = PressureOff("regulators: the supply pressure is lost")
+    assert rods.watch.explain(off) is off
+    for k in range(64):
+        rods.cycle(0.0, 50e-6 * (-1.0) ** k)
+    said = rods.watch.explain(off)
+    assert str(said) == f"{NAMES[1]} scatters by 0.082 mm, which shakes setpoints ({off})"
+    other = SafetyError("something else")
+    assert rods.watch.explain(other) is other
+
+
 def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
     ran = 0.3 * SPEED * PERIOD
     jumps = [DeviceFault(name, "it jumps") for name in NAMES]
@@ -211,6 +226,18 @@ def test_a_blow_makes_rods_disagree_before_a_wire_has_passed_it_on(pulled, cycle
     rod = ("agonist", "antagonist")[pulled]
     told = f"the carriage was pushed or struck: it pulls the rod of {rod} out"
     assert said == (told if is_told else None)
+
+
+@pytest.mark.parametrize("stands", range(2))
+def test_a_rod_that_stood_for_a_cycle_was_not_blown_along(stands):
+    out = 0.4 * SPEED * PERIOD
+    rods = Rods(change=CHANGE)
+    rods.settle()
+    places = np.array([[1.0, -1.0], [2.0, -2.0], [3.0, -3.0]]) * out
+    places[1, stands] = places[0, stands]
+    for place in places:
+        rods.cycle(*place)
+    assert rods.watch._explain_blow() is None
 
 
 @pytest.mark.parametrize("seed", range(4))

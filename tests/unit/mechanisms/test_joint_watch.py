@@ -26,6 +26,7 @@ from rig.hal import DeviceFault, LimitExceeded, Markers, SafetyError, StaleReadi
 from rig.mechanisms.joint import watch as watched
 from rig.mechanisms.joint.settings import JointFriction
 from rig.mechanisms.joint.watch import JointWatch
+from rig.mechanisms.pneumatic.alarms.pressures import PressureOff
 
 TILTED = rods_at(0.3, 0.4)
 ERROR = LimitExceeded("speed of something", 1.0, -0.5, 0.5, "m/s")
@@ -375,6 +376,19 @@ def test_an_encoder_that_complains_while_the_whole_ring_runs_saw_a_push():
     found = told.watch.explain(error, state)
     assert str(found) == f"the ring was pushed or struck: all rods move with it ({error})"
     assert told.watch.explain(ERROR, state) is ERROR
+
+
+def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause():
+    error = PressureOff("regulators: the supply pressure is lost")
+    told = Rods()
+    state = told.check(UPRIGHT)
+    assert told.watch.explain(error, state) is error
+    for k in range(64):
+        state = told.check(off(UPRIGHT, 2, 50e-6 * (-1.0) ** k))
+    found = told.watch.explain(error, state)
+    assert str(found) == f"{ENCODERS[1]} scatters by 0.082 mm, which shakes setpoints ({error})"
+    other = SafetyError("something else")
+    assert told.watch.explain(other, state) is other
 
 
 def test_who_let_go_is_told_by_the_cycles_before():
