@@ -150,6 +150,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     from rig.experiment.measure import Measure
     from rig.experiment.metrics import known_measures
     from rig.experiment.peaks import peaks_of
+    from rig.experiment.plan import simulated_otherwise
     from rig.hal.motion import Fact
 
     experiment, motion = plan.experiment, plan.motion
@@ -178,6 +179,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
         "approach": experiment.approach,
         "files": [str(path) for path in experiment.files],
         "remarks": [note._asdict() for note in motion.remarks],
+        "simulated_otherwise": list(simulated_otherwise(plan)),
         "segments": [segment._asdict() for segment in motion.segments],
         "peaks": [peak._asdict() for peak in peaks_of(plan)],
         "metrics": metrics,
@@ -304,6 +306,7 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         for s in experiment["segments"]
     ]
     remarks = [(note["kind"], note["message"]) for note in experiment["remarks"]]
+    remarks += [("in simulation", told) for told in experiment["simulated_otherwise"]]
     metrics = [
         (m["name"], m["description"], m["segments"], _bound(m)) for m in experiment["metrics"]
     ]

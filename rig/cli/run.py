@@ -107,7 +107,7 @@ def run(
     from rig.config.names import find_configs
     from rig.config.setting import Setting
     from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
-    from rig.experiment.plan import load_plan
+    from rig.experiment.plan import load_plan, simulated_otherwise
     from rig.experiment.run import run_experiment
     from rig.run_names import find_run
 
@@ -139,6 +139,8 @@ def run(
     if not may_move(plan, on, yes, uncommissioned):
         return EXIT_USAGE
     simulated = backend_of(on).is_simulated
+    for told in simulated_otherwise(plan) if simulated else ():
+        click.echo(f"note: {told}", err=True)
     pace = pace or (1.0 if watch or plan.motion.real_time else None)
     line = WatchedRun(
         plan,

@@ -96,6 +96,18 @@ def load_plan(
     return make_plan(loaded, profile)
 
 
+def simulated_otherwise(plan: Plan) -> tuple[str, ...]:
+    """Return in what the simulated rig is not the one that the motion is planned for."""
+    profile = plan.profile
+    if profile.plant is None:
+        return ()
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    told: tuple[str, ...] = mechanism.plant_unlike(
+        profile.mechanism_settings, plan.experiment.reference.settings, profile.plant.settings
+    )
+    return told
+
+
 def admit_options(options: Sequence[str], rig: str | None, search: Sequence[Path]) -> None:
     """Let take part the packages that options of a profile name: an experiment may need them."""
     if rig is not None and any(re.match(r"\s*additions\b", option) for option in options):

@@ -117,19 +117,14 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
 
         Parameters
         ----------
-        settings : object
-            The mechanism's settings.
-        controller : Controller
-            As the profile has it; it is not changed.
+        settings, controller : object
+            The mechanism's; as the profile has it, and not changed.
         """
         return None
 
     @classmethod
     def derated(cls, settings: Settings, effort: float, speed: float) -> Settings | None:
-        """Return settings for a share of its pressure or torque, and of its speed.
-
-        None: nobody knows them.
-        """
+        """Return settings for a share of pressure or torque, and of speed; None: nobody knows."""
         return None
 
     @classmethod
@@ -188,6 +183,11 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         ValueError
             With the instant, the quantity and the bound that make it impossible.
         """
+
+    @classmethod
+    def plant_unlike(cls, settings: Settings, reference: object, plant: object) -> tuple[str, ...]:
+        """Say in what a plant of these settings is another rig than `plan` counts on; no error."""
+        return ()
 
     @classmethod
     def beyond_drives(

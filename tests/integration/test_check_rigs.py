@@ -151,3 +151,50 @@ def test_an_arms_branch_and_singularities_are_told_with_the_reason(capsys):
     assert re.search(
         r"elbow -.*: begun as near .* q3 would be at 1\.\d+ rad, outside its range", told["chosen"]
     )
+
+
+TREAD = "{foot: left, x: 100 mm, y: 39 mm, height: 10 mm}"
+
+
+@pytest.mark.parametrize(
+    ("experiment", "options", "told"),
+    [
+        ("arm-path-loaded", [], []),
+        (
+            "arm-path-loaded",
+            ["plant.links.payload=1 kg", "plant.links.masses=[6, 5, 4, 1, 1, 0.5]"],
+            [
+                r"payload of 3 kg .* carries 1 kg \(plant.links.payload\)",
+                r"3.2 kg of the forearm .* 4 kg \(plant.links.masses\)",
+            ],
+        ),
+        ("arm-path-loaded", ["rig=arm"], [r"payload of 3 kg .* carries 0.5 kg"]),
+        (
+            "arm-path-loaded",
+            ["plant.drives.torque_limits=[40, 70, 48, 8, 8, 5]"],
+            [r"75 N m of q2 .* has 70 N m \(plant.drives.torque_limits\)"],
+        ),
+        (
+            "legs-footsteps",
+            [f"reference.steps=[{TREAD}]"],
+            [r"step 1 is planned to land 10 mm .* at 0 mm there \(plant.terrain\)"],
+        ),
+        (
+            "legs-footsteps",
+            [
+                f"reference.steps=[{TREAD}]",
+                "plant.terrain=[{start: 61 mm, length: 200 mm, height: 10 mm}]",
+            ],
+            [],
+        ),
+    ],
+)
+def test_what_a_simulated_rig_has_otherwise_than_its_plan_is_told(
+    capsys, experiment, options, told
+):
+    """A walk onto a tread that is not simulated fell, and was told as a joint that lags."""
+    sets = [word for option in options for word in ("--set", option)]
+    assert invoke(["check", experiment, "--configs", str(CONFIGS), "--json", *sets]) == 0
+    found = json.loads(capsys.readouterr().out)["experiment"]["simulated_otherwise"]
+    assert len(found) == len(told), found
+    assert all(re.search(words, one) for words, one in zip(told, found, strict=True)), found

@@ -24,6 +24,7 @@ from rig.mechanisms.arm.facts import INDICES
 from rig.mechanisms.arm.live_row import commanded_row
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.settings import ArmSettings
+from rig.mechanisms.arm.simulated import differences
 from rig.mechanisms.arm.twists import HeardTwists, KnownTwists
 from rig.mechanisms.servo.axes import AxisLimits, Kinds
 from rig.mechanisms.servo.columns import servo_columns
@@ -108,6 +109,13 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             raise ValueError("the reference is not one for an arm")
         reference = _in_frames(settings, reference)
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
+
+    @classmethod
+    def plant_unlike(
+        cls, settings: ArmSettings, reference: object, plant: object
+    ) -> tuple[str, ...]:
+        """Say what the simulated arm carries or is made of otherwise; see `Mechanism`."""
+        return tuple(differences(settings.geometry, reference, plant))
 
     @classmethod
     def derated(cls, settings: ArmSettings, effort: float, speed: float) -> ArmSettings:

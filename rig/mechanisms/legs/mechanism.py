@@ -18,6 +18,7 @@ from rig.hal import Device, Vector
 from rig.hal.columns import Column
 from rig.hal.motion import Motion, Note, Segment
 from rig.mechanisms.legs.facts import plan_facts
+from rig.mechanisms.legs.ground import prints_off_ground
 from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
@@ -192,6 +193,13 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         if not isinstance(reference, GaitRequest):
             raise ValueError("the reference is not one for legs")
         return _planned(settings, reference, controller, period, 1.0)
+
+    @classmethod
+    def plant_unlike(
+        cls, settings: LegsSettings, reference: object, plant: object
+    ) -> tuple[str, ...]:
+        """Say which footprints lie higher or lower than the simulated ground; see `Mechanism`."""
+        return prints_off_ground(settings.geometry, reference, plant)
 
     @classmethod
     def derated(cls, settings: LegsSettings, effort: float, speed: float) -> LegsSettings:
