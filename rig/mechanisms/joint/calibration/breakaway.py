@@ -160,7 +160,14 @@ class Breakaways:
         weights: Array = kinds @ self._inverse[: len(kinds)]
         return weights
 
-    def estimate(self, pair: int, name: str, cases: Sequence[TugCase], forces: Array) -> Estimate:
+    def estimate(
+        self,
+        pair: int,
+        name: str,
+        cases: Sequence[TugCase],
+        forces: Array,
+        model: float = 0.0,
+    ) -> Estimate:
         """Return a pair's breakaway with its interval.
 
         Parameters
@@ -173,12 +180,15 @@ class Breakaways:
             What is believed, and what else may be true.
         forces : ndarray, shape (m, n)
             Breakaway forces in each case, N.
+        model : float
+            Bound of what the model leaves out, as a share of the breakaway.
         """
         weights = self._weights(pair)
         value, *others = (float(weights @ row[self._mine]) for row in forces)
         scatter = math.sqrt(self._variance * float(weights @ weights))
         off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
-        even = [self._left, *(size / math.sqrt(3.0) for bound, size in off if bound)]
+        missing = model * abs(value)
+        even = [self._left, missing, *(size / math.sqrt(3.0) for bound, size in off if bound)]
         normal = math.hypot(*(size for bound, size in off if not bound))
         return estimate_of_sum(name, value, "N", scatter, self._freedom, normal, even)
 

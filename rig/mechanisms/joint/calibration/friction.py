@@ -4,7 +4,8 @@ The ring leans to and fro between its pairs, so that both slide, at two base pre
 friction that grows with the tensions shows (`rig.mechanisms.joint.calibration.stroke_fit`). How
 ring and wires share that growth stays as believed: no such motion shows it. The controller is far
 less stiff than in use (`JointPneumatics.with_gentle_controller`), since the usual one hunts where
-the seals have less friction than it was tuned for.
+the seals have less friction than it was tuned for. Behind late regulators no controller leads a
+ring that sticks: there its pairs slide by themselves (`rig.mechanisms.joint.calibration.slides`).
 
 Breakaway is the greatest force of a pair before it moves; see
 `rig.mechanisms.joint.calibration.breakaway`. The pair is pushed alone, by 20 N/s, with the ring
@@ -29,6 +30,8 @@ from rig.mechanisms.joint.calibration.ball_friction import Belief, belief_of
 from rig.mechanisms.joint.calibration.breakaway import Breakaways, cases_of, forces_of_tugs
 from rig.mechanisms.joint.calibration.leaning import Strokes
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.joint.calibration.slide_script import SlideScript
+from rig.mechanisms.joint.calibration.slides import GOAL, Slides
 from rig.mechanisms.joint.calibration.stroke_fit import (
     COULOMB,
     GROWTH,
@@ -48,6 +51,31 @@ _SHARE: Final = 0.6
 
 _MORE: Final = 1.6
 """Times the breakaway that is believed, as far as a tug goes."""
+
+_MOST: Final = 2.7
+"""The same where slides come before: friction may be nearly twice what is believed."""
+
+_SLIDDEN: Final = 1.4
+"""Base pressure of tugs after slides, over that of the slides."""
+
+_PUSH: Final = 0.8
+"""Of what may be between the tensions of a pair's wires, the greatest force that slides it."""
+
+_HIGHEST: Final = 0.6
+"""Greatest base pressure of slides over what a chamber may have."""
+
+_MODEL: Final = 0.15
+_MODEL_OF_BREAKAWAY: Final = 0.08
+"""What the model leaves out of slides, and of tugs that wires on one side alone pull: bounds as
+shares of Coulomb and viscous friction, and of breakaway. Tensions are two or three times those at
+base pressure there. E: on ten simulated joints with 0.6 to 1.9 times the friction, slides showed 3
+to 18 % more Coulomb friction than was true, and tugs up to 7 % less breakaway."""
+
+_ONWARD: Final = 4.0
+"""Time in which both pairs slide back upright before a tug, s."""
+
+_STILL: Final = Strokes(1e-5, (1e-5,), 0.1)
+"""What is planned of slides: to stay at home."""
 
 _TAUT: Final = 1.15
 """Of the least tension that is permitted, what a tug leaves in a wire."""
@@ -72,8 +100,17 @@ class JointFrictionFit(Procedure[Recording]):
         wider, notes = JointPneumatics(profile).with_wider_limits()
         wider, name = JointPneumatics(wider).with_gentle_controller()
         controller, pneumatics = make_controller(wider, name), JointPneumatics(wider)
-        half = strokes.segments[len(strokes.speeds) - 1].end
         base = pneumatics.gentle_pressure
+        if isinstance(strokes, Slides):
+            still = pneumatics.along_line(_STILL, controller, ((0.0, base),))
+            limits, own = pneumatics.settings.limits, pneumatics.settings
+            sliding = SlideScript(
+                settings, still, controller, _SLIDDEN * base, base, slides=strokes,
+                geometry=own.geometry, least=limits.tension[0] + 0.5 * own.friction.breakaway,
+                area=pneumatics.area, stiffness=own.wire_stiffness,
+            )  # fmt: skip
+            return pneumatics.scripted(settings, sliding, name, notes, 2.0)
+        half = strokes.segments[len(strokes.speeds) - 1].end
         bases = ((0.0, base), (half, _RAISED * base))
         motion = pneumatics.along_line(strokes, controller, bases)
         script = TugScript(settings, motion, controller, _base(pneumatics, profile), base)
@@ -84,7 +121,12 @@ class JointFrictionFit(Procedure[Recording]):
         settings = _settings(profile)
         data.require(segment.name for segment in settings.segments)
         names = [segment.name for segment in settings.strokes.segments]
-        strokes, belief = fit_strokes(profile, data, names, _travel(settings.strokes))
+        late = model = of_tugs = 0.0
+        if isinstance(settings.strokes, Slides):
+            late = profile.mechanism_settings.regulator_response.monitor_time
+            model, of_tugs = _MODEL, _MODEL_OF_BREAKAWAY
+        travel = _travel(settings.strokes)
+        strokes, belief = fit_strokes(profile, data, names, travel, late, model)
         growth = [pair.estimate(GROWTH, "", "1") for pair in strokes]
         spread = math.hypot(*(g.std for g in growth)) / max(sum(g.value for g in growth), 1e-9)
         cases, tugs = cases_of(profile, belief, spread), settings.tugs
@@ -113,7 +155,7 @@ class JointFrictionFit(Procedure[Recording]):
                     "is not told, and stays in proportion to Coulomb friction"
                 )
                 continue
-            breakaway = breakaways.estimate(number, f"{prefix}breakaway", cases, forces)
+            breakaway = breakaways.estimate(number, f"{prefix}breakaway", cases, forces, of_tugs)
             estimates.append(breakaway)
             broken.append(breakaway.value)
             panels.append(_panel_of_tugs(profile, name, *sides[number], breakaway.value))
@@ -129,10 +171,23 @@ class JointFrictionFit(Procedure[Recording]):
 
 def _settings(profile: Profile) -> StrokesAndTugs:
     pneumatics, believed = JointPneumatics(profile), belief_of(profile)
+    if pneumatics.nobody_leads:
+        return _slides(pneumatics, believed)
     load = 2.0 * pneumatics.area * _base(pneumatics, profile)
-    expected = pneumatics.settings.friction.breakaway + believed.alone * load
-    most = min(_MORE * expected, load - 2.0 * _slack(pneumatics))
+    most = min(_MORE * _expected(pneumatics, believed, load), load - 2.0 * _slack(pneumatics))
     return StrokesAndTugs(Strokes(pneumatics.reach(_SHARE), SPEEDS, _TURN), most=most)
+
+
+def _slides(pneumatics: JointPneumatics, believed: Belief) -> StrokesAndTugs:
+    tension, base = pneumatics.settings.limits.tension, pneumatics.gentle_pressure
+    slides = Slides(base, _HIGHEST * pneumatics.highest, _PUSH * (tension[1] - tension[0]))
+    expected = _expected(pneumatics, believed, 2.0 * pneumatics.area * _SLIDDEN * base)
+    return StrokesAndTugs(slides, most=min(_MOST * expected, slides.most), move=_ONWARD)
+
+
+def _expected(pneumatics: JointPneumatics, believed: Belief, load: float) -> float:
+    """Return the breakaway that is believed of a pair under a sum of its tensions, N."""
+    return float(pneumatics.settings.friction.breakaway + believed.alone * load)
 
 
 def _slack(pneumatics: JointPneumatics) -> float:
@@ -154,8 +209,10 @@ def _base(pneumatics: JointPneumatics, profile: Profile) -> float:
     return min(max(pneumatics.base_pressure, needed), most)
 
 
-def _travel(strokes: Strokes) -> float:
-    """Return the way of each pair in the longest of the strokes' constant-speed parts, m."""
+def _travel(strokes: Strokes | Slides) -> float:
+    """Return the way of each pair in a slide, or the longest of strokes at constant speed, m."""
+    if isinstance(strokes, Slides):
+        return 2.0 * GOAL
     ways = (
         (segment.end - segment.start) * speed
         for segment, speed in zip(strokes.segments[::2], strokes.speeds, strict=True)

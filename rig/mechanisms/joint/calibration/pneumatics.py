@@ -251,12 +251,22 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         return self.with_gentle_controller() if self._falls else super().with_placing_controller()
 
     @property
+    def nobody_leads(self) -> bool:
+        """Whether seals hold the ring near upright, and no law leads it from there: late air."""
+        return self._late and not self._falls
+
+    @property
     def _falls(self) -> bool:
         """Whether the cascade for standard seals throws the ring: late air, and little friction."""
-        response, friction = self.settings.regulator_response, self.settings.friction
+        friction = self.settings.friction
+        return self._late and friction.breakaway < _STICKY * friction.coulomb
+
+    @property
+    def _late(self) -> bool:
+        """Whether the air is too late for the cascade for standard seals."""
+        response = self.settings.regulator_response
         air = max(response.dead_time - response.monitor_time, 0.0)
-        late = self.settings.valves is None and air * _CASCADE["position_rate"] > _LATE
-        return late and friction.breakaway < _STICKY * friction.coulomb
+        return self.settings.valves is None and air * _CASCADE["position_rate"] > _LATE
 
     def reach(self, share: float) -> float:
         """See `Pneumatics.reach`."""

@@ -2,25 +2,28 @@
 
 While both pairs slide faster than the Stribeck effect reaches, the force of a pair's chambers is
 
-    f = c_0 + (F_c + g (L - L_0) + D) sgn v + B w + M a + c_1 x
+    f = c_0 + (F_c + g (G - L_0)) sgn v + B w + M a + c_1 x
         + L / L_0 (c_2 + c_3 x + c_4 x^3 + (c_5 x + c_6 x^2) sgn v).
 
 | symbol | meaning |
 |---|---|
 | L, L_0 | sum of the pair's tensions, and that at base pressure |
-| g | growth of friction with L |
-| D | friction on the ball beyond that of an upright ring (`ball_friction`) |
+| g | growth of friction with the tensions of both pairs |
+| G | sum of a pair's tensions that loads seals and ball as much, both pairs sliding upright |
 | w | speed with the same viscous friction if both rods were equally fast |
 | c_1 | weight of what the joint carries |
 | c_2 to c_6 | rods and wires with other friction than their kind: there and back then differ |
 
-D depends on what seals and ball take of the tensions. So the fit is made twice, the second time
-with the friction of the first. Strokes leave three things open, which are part of every interval
-(type B evaluations):
+G is the friction on the ball as `ball_friction` believes it, over its coefficient: its coefficient
+may be wrong by as much as it likes. It depends besides on what seals and ball take of the tensions.
+So the fit is made twice, the second time with the friction of the first. Strokes leave some things
+open, which are part of every interval (type B evaluations):
 
 - how much of the growth is the seals': anything from none to a fifth;
 - how ring and wires share the friction on the ball (`joint.tolerance.friction`);
-- how stiff the wires are (`joint.tolerance.stiffness`), on which the ring's pose depends.
+- how stiff the wires are (`joint.tolerance.stiffness`), on which the ring's pose depends;
+- of slides, whose forces change fast: how late the monitors are. Their filter comes after the
+  chamber's air, and a tube, which nobody has measured, before it: by no more than the filter.
 
 References
 ----------
@@ -54,6 +57,8 @@ _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
 
 _LEAST_ROWS: Final = 50
+_NO_BALL: Final = 1e-6
+"""Friction on the ball over the tensions that is none."""
 _SEALS: Final = (0.0, 0.2)
 """What of the friction that grows with the tensions may be the seals'."""
 
@@ -110,12 +115,18 @@ class StrokeFit(NamedTuple):
     ring, stiffer : Fit
         With the least, and with the ring's part at its bound or wires stiffer by a standard
         deviation.
+    prompt : Fit, optional
+        With the least, and monitors that are not late, where it matters.
+    model : float
+        Bound of what the model leaves out, as a share of Coulomb and viscous friction.
     """
 
     rows: Sliding
     fits: tuple[Fit, Fit]
     ring: Fit
     stiffer: Fit
+    prompt: Fit | None = None
+    model: float = 0.0
 
     @property
     def values(self) -> Array:
@@ -131,7 +142,11 @@ class StrokeFit(NamedTuple):
         """Return the estimate of one parameter."""
         one, other = (found.parameter(index, name, unit) for found in self.fits)
         scatter = 0.5 * (one.std + other.std)
-        bounds = 0.5 * (other.value - one.value), float(self.ring.values[index]) - one.value
+        bounds = [0.5 * (other.value - one.value), float(self.ring.values[index]) - one.value]
+        if self.prompt is not None:
+            bounds.append(float(self.prompt.values[index]) - one.value)
+        if index in (COULOMB, VISCOUS):
+            bounds.append(self.model * 0.5 * (one.value + other.value))
         even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
         stiffer = abs(float(self.stiffer.values[index]) - one.value)
         unity = np.eye(len(self.values))[index].tolist()
@@ -140,7 +155,12 @@ class StrokeFit(NamedTuple):
 
 
 def fit_strokes(
-    profile: Profile, recording: Recording, names: Sequence[str], travel: float
+    profile: Profile,
+    recording: Recording,
+    names: Sequence[str],
+    travel: float,
+    late: float = 0.0,
+    model: float = 0.0,
 ) -> tuple[list[StrokeFit], Belief]:
     """Fit the strokes; return what they say of each pair, and of the joint's friction.
 
@@ -154,31 +174,40 @@ def fit_strokes(
         Of their stretches.
     travel : float
         That each pair was asked for, m.
+    late : float
+        By how much the monitors may come after the chambers, s.
+    model : float
+        See `StrokeFit`.
 
     Raises
     ------
     CalibrationRefused
         A pair hardly moved, or did not slide long enough.
     """
-    stretches = [recording[name] for name in names]
+    prompt = [recording[name] for name in names]
+    stretches = [_seen_late(profile, stretch, late) for stretch in prompt]
     believed = belief_of(profile)
     strokes = _strokes(profile, believed, stretches)
     _check(profile, strokes, travel)
     first = [_fit(profile, believed, pair) for pair in _rows(profile, believed, strokes)]
 
-    def again(profile: Profile, belief: Belief) -> tuple[list[Sliding], list[Fit]]:
+    def again(
+        profile: Profile, belief: Belief, stretches: Sequence[Stretch] = stretches
+    ) -> tuple[list[Sliding], list[Fit]]:
         rows = _rows(profile, belief, _strokes(profile, belief, stretches))
         return rows, [_fit(profile, belief, pair) for pair in rows]
 
     least, most = (_found(believed, [fit.values for fit in first], seals) for seals in _SEALS)
     rows, fits = again(profile, least)
     share = profile.mechanism_settings.tolerance.friction
-    others = (
+    others = [
         again(profile, most), again(profile, least.with_ring(share)),
         again(with_stiffer_wires(profile), least),
-    )  # fmt: skip
+    ]  # fmt: skip
+    if late > 0.0:
+        others.append(again(profile, least, prompt))
     found = [
-        StrokeFit(pair, (one, other), *rest)
+        StrokeFit(pair, (one, other), *rest, model=model)
         for pair, one, other, *rest in zip(rows, fits, *(each[1] for each in others), strict=True)
     ]
     return found, _found(believed, [pair.values for pair in found], sum(_SEALS) / len(_SEALS))
@@ -187,6 +216,16 @@ def fit_strokes(
 def least_speed(profile: Profile) -> float:
     """Return the speed above which the Stribeck effect is over, m/s."""
     return float(_SLIDING * profile.mechanism_settings.friction.stribeck_velocity)
+
+
+def _seen_late(profile: Profile, stretch: Stretch, late: float) -> Stretch:
+    """Return a stretch with pressures as early as the rods, of monitors that are late (s)."""
+    cycles = round(late / profile.loop.period)
+    if cycles == 0:
+        return stretch
+    names = [f"reading.pressure_{channel}" for channel in JointPneumatics(profile).channels]
+    columns = {name: column[:-cycles] for name, column in stretch.items()}
+    return Stretch(columns | {name: stretch[name][cycles:] for name in names})
 
 
 def _strokes(profile: Profile, belief: Belief, stretches: Sequence[Stretch]) -> list[_Stroke]:
@@ -241,14 +280,17 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
     """Fit c_0, F_c, B, g, and c_1 to c_6; the mass is known better than strokes can tell."""
     settings, usual, x = profile.mechanism_settings, belief.usual, rows.position
     sign, load = np.sign(rows.velocity), rows.load / usual
+    # What grows is by its share the seals', with the pair's own tensions, else the ball's, as
+    # believed: which of the four tensions load it, and how, is known better than how much.
+    growth, grows = belief.seals + belief.shared, rows.load * sign
+    if belief.shared > _NO_BALL:
+        grows = (belief.seals * grows + rows.on_ball) / growth
     regressors = np.column_stack(
-        [np.ones_like(x), sign, rows.sheared, (rows.load - usual) * sign,
+        [np.ones_like(x), sign, rows.sheared, grows - usual * sign,
          x, load, load * x, load * x**3, load * x * sign, load * x**2 * sign]
     )  # fmt: skip
-    # The rod that pulls has more pressure behind it than the other one, and so more friction.
-    upright = belief.shared * (rows.load - belief.seals * np.abs(rows.force))
-    force = rows.force - settings.moving_mass * rows.acceleration - rows.on_ball + sign * upright
-    start = [0.0, belief.coulomb, belief.viscous, belief.shared, *(0.0,) * 6]
+    force = rows.force - settings.moving_mass * rows.acceleration
+    start = [0.0, belief.coulomb, belief.viscous, growth, *(0.0,) * 6]
     scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 1e5, 10.0, 1e3]
     return fit_or_refuse(
         f"the friction of {rows.name}", lambda q: force - regressors @ q, start, scale, rows.stroke

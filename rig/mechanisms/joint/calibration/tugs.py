@@ -29,6 +29,7 @@ from rig.calibration.sequence import EstimatingController, GuidedScript
 from rig.config import format_quantity
 from rig.hal.motion import Segment
 from rig.mechanisms.joint.calibration.leaning import Strokes
+from rig.mechanisms.joint.calibration.slides import Slides
 from rig.mechanisms.joint.motion import PosedMotion
 
 _UPRIGHT: Final = (0.0, 0.0, 1.0)
@@ -93,8 +94,8 @@ class StrokesAndTugs:
 
     Parameters
     ----------
-    strokes : Strokes
-        Of what lies along the ball.
+    strokes : Strokes or Slides
+        Of what lies along the ball; slides where no law leads the ring along it.
     rounds : int
         Of tugs, `PER_ROUND` at each pair to each side; 0 for none.
     rate : float
@@ -105,7 +106,7 @@ class StrokesAndTugs:
         Time to go upright, for the pressures to swing there, and to rest, s.
     """
 
-    strokes: Strokes
+    strokes: Strokes | Slides
     rounds: Annotated[int, Ge(0)] = 1
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 32.0
@@ -169,6 +170,8 @@ class TugScript(GuidedScript[JointReference, JointState, JointCommand], PosedMot
         Co-contraction of the tugs, Pa gauge.
     calm : float
         The same wherever the controller has the ring, Pa gauge.
+    give : float
+        How far a pair moves on its wires for each newton that pushes it, m/N.
     """
 
     estimate: JointEstimate
@@ -180,11 +183,12 @@ class TugScript(GuidedScript[JointReference, JointState, JointCommand], PosedMot
         controller: EstimatingController[JointReference, JointState, JointCommand],
         base: float,
         calm: float,
+        give: float = 0.0,
     ) -> None:
         super().__init__(settings.duration, settings.segments, controller)
         self._settings = settings
         self._strokes = strokes
-        self._base, self._calm = base, calm
+        self._base, self._calm, self._give = base, calm, give
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -209,25 +213,41 @@ class TugScript(GuidedScript[JointReference, JointState, JointCommand], PosedMot
 
     def play(self) -> Iterator[JointCommand]:
         """Do the strokes; for each tug go upright, swing and push, and catch the ring."""
-        tugs = self._settings.tugs
-        while not tugs or self.t < tugs[0].start:
-            yield self.follow(self.wanted)
-        for tug in tugs:
-            leant, moving = self._axis(), tug.start + self._settings.move
-            while self.t < moving:
-                yield self._go_upright(leant, tug.start)
-            stood = self._place(tug)
+        yield from self._begin()
+        for tug in self._settings.tugs:
+            yield from self._place_for(tug)
+            stood, force = self._place(tug), 0.0
             while self._is_at(tug):
                 if self.t < tug.rise:
                     stood = self._place(tug)
                 force = self._settings.rate * max(self.t - tug.rise, 0.0)
                 gone = tug.side * (self._place(tug) - stood)
-                if gone >= BROKEN or force >= self._settings.most:
+                if gone >= self._broken(force) or force >= self._settings.most:
                     break
                 yield self._push(tug, force)
-            leant, caught = self._axis(), self.t
-            while self._is_at(tug):
-                yield self._go_upright(leant, caught)
+            yield from self._catch(tug, force)
+
+    def _begin(self) -> Iterator[JointCommand]:
+        """Do what comes before the tugs."""
+        tugs = self._settings.tugs
+        while not tugs or self.t < tugs[0].start:
+            yield self.follow(self.wanted)
+
+    def _place_for(self, tug: Tug) -> Iterator[JointCommand]:
+        """Have the ring upright before a tug."""
+        leant, moving = self._axis(), tug.start + self._settings.move
+        while self.t < moving:
+            yield self._go_upright(leant, tug.start)
+
+    def _catch(self, tug: Tug, force: float) -> Iterator[JointCommand]:
+        """Have the ring stop after a tug, which has pushed it with a force (N)."""
+        leant, caught = self._axis(), self.t
+        while self._is_at(tug):
+            yield self._go_upright(leant, caught)
+
+    def _broken(self, force: float) -> float:
+        """Return how far a pair has gone that has broken away under a force (N), m."""
+        return BROKEN + self._give * force
 
     def _is_at(self, tug: Tug) -> bool:
         return self.t < tug.end or tug is self._settings.tugs[-1]
@@ -236,12 +256,18 @@ class TugScript(GuidedScript[JointReference, JointState, JointCommand], PosedMot
         """Return where the ring points by the rods."""
         x, y, z = self.estimate.encoder_marker
         length = math.sqrt(x * x + y * y + z * z)
+        if length == 0.0:  # nobody has looked yet: it begins at home
+            return _UPRIGHT
         return (x / length, y / length, z / length)
 
     def _place(self, tug: Tug) -> float:
         """Return where the pair of a tug is, m."""
+        return self._place_of(tug.pair)
+
+    def _place_of(self, pair: int) -> float:
+        """Return where a pair is, m."""
         a, b, c, d = self.state.rods
-        return 0.5 * (a - c) if tug.pair == 0 else 0.5 * (d - b)
+        return 0.5 * (a - c) if pair == 0 else 0.5 * (d - b)
 
     def _go_upright(self, leant: Vector, since: float) -> JointCommand:
         way = great_circle(leant, _UPRIGHT, 0.8 * self._settings.move, self.t - since)
