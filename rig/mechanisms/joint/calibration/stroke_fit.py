@@ -207,7 +207,7 @@ def fit_strokes(
     if late > 0.0:
         others.append(again(profile, least, prompt))
     found = [
-        StrokeFit(pair, (one, other), *rest, model=model)
+        StrokeFit(pair, (one, other), *rest)._replace(model=model)
         for pair, one, other, *rest in zip(rows, fits, *(each[1] for each in others), strict=True)
     ]
     return found, _found(believed, [pair.values for pair in found], sum(_SEALS) / len(_SEALS))
