@@ -159,7 +159,7 @@ class Slides:
 
 
 class Release:
-    """How hard a pair is pushed: until it breaks away, while it slides, once it is let go.
+    """The push of one slide: until the pair breaks away, while it slides, once it is let go.
 
     Parameters
     ----------
