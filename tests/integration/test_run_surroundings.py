@@ -100,5 +100,5 @@ def test_run_tells_how_fast_the_machine_was(tmp_path, capsys):
     log = read_log(path / "log.mcap")
     assert 0.0 < timing["took"] < whole
     covered = timing["speed"] * timing["took"]
-    assert abs(covered - (log.t[-1] - log.t[0])) < 0.1
+    assert 0.0 < covered - (log.t[-1] - log.t[0]) < 0.3  # in the end the chambers are waited for
     assert f"{covered:.1f} s took {timing['took']:.1f} s" in capsys.readouterr().err

@@ -78,7 +78,7 @@ def test_a_stop_that_is_not_read_any_more_is_a_fault_of_its_own():
     with pytest.raises(StaleReading) as caught:
         bench.cycle(0.0, fresh=False)
     assert (caught.value.device, caught.value.age, caught.value.bound) == (
-        "emergency stop",
+        "the emergency stop that stop reads",
         AGE + TINY,
         AGE,
     )

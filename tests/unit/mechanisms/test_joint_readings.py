@@ -76,7 +76,11 @@ def test_a_stop_that_is_not_read_any_more_is_a_fault_of_its_own():
     with pytest.raises(StaleReading) as caught:
         bench.joint.check(bench.joint.read(0.0), 0.0)
     error = caught.value
-    assert (error.device, error.age, error.bound) == ("emergency stop", AGE + TINY, AGE)
+    assert (error.device, error.age, error.bound) == (
+        "the emergency stop that stop reads",
+        AGE + TINY,
+        AGE,
+    )
 
 
 def test_a_camera_sample_stays_until_the_next_and_goes_with_the_marker():

@@ -116,7 +116,11 @@ def test_a_stop_that_is_not_read_any_more_is_a_fault_of_its_own():
     with pytest.raises(StaleReading) as caught:
         bench.axes.check(state, 0.0)
     error = caught.value
-    assert (error.device, error.age, error.bound) == ("emergency stop", AGE + TINY, AGE)
+    assert (error.device, error.age, error.bound) == (
+        "the emergency stop that stop reads",
+        AGE + TINY,
+        AGE,
+    )
 
 
 def test_the_device_that_reads_the_stop_is_told():
