@@ -278,3 +278,13 @@ def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monit
 def test_before_anything_was_seen_nothing_is_said_of_what_is_off():
     balance = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
     assert balance.explain_off(1e-3) is None
+
+
+def test_the_rods_of_the_last_cycles_are_kept_in_their_order():
+    watch = balance()
+    each = [(1e-3 * k, 0.0, -1e-3 * k, 0.0) for k in range(70)]
+    for k, rods in enumerate(each):
+        watch.note(1e-3 * k, rods, (0.0,) * 4)
+    assert watch.rods == each[-64:]
+    watch.restart()
+    assert watch.rods == []
