@@ -1,9 +1,9 @@
 """Pictures of the page of `rig watch` for every rig, and ten seconds of it moving.
 
-    python .readme/pages.py [FOLDER OF RUNS]
+    python .readme/pages.py [FOLDER OF RUNS [EXPERIMENT...]]
 
-Runs each experiment that the folder has no run of, serves its page, and takes it from a browser;
-``watch.webp`` moves.
+Runs each experiment (or those that are named) that the folder has no run of, serves its page, and
+takes it from a browser; ``watch.webp`` moves.
 """
 
 import io
@@ -29,6 +29,8 @@ SHOWN = {
 LOOKS = {"light": (1600, 900), "dark": (1600, 900), "phone": (390, 844)}
 MOVING, BEGIN, SECONDS, RATE = "joint-circle-camera", 12.0, 10.0, 8
 SMALL = (800, 450)
+MOST = 500 * 1024
+"""Of what moves, bytes: a README is read over slow lines, too."""
 
 
 @contextmanager
@@ -67,11 +69,13 @@ def opened(browser, address: str, look: str):
 def main() -> None:
     """Take all pictures."""
     runs = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp())
+    named = sys.argv[2:] or list(SHOWN)
     with sync_playwright() as driver:
         browser = driver.chromium.launch(
             executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu"]
         )
-        for experiment, (moment, looks) in SHOWN.items():
+        for experiment in named:
+            moment, looks = SHOWN[experiment]
             with page_of(run_of(experiment, runs)) as address:
                 for look in looks:
                     page = opened(browser, address, look)
@@ -97,10 +101,15 @@ def move(page) -> None:
         time.sleep(1.0 if not number else 0.12)
         shot = Image.open(io.BytesIO(page.screenshot()))
         frames.append(shot.convert("RGB").resize(SMALL, Image.Resampling.LANCZOS))
-    frames[0].save(
-        HERE / "watch.webp", save_all=True, append_images=frames[1:], duration=1000 // RATE,
-        loop=0, quality=55, method=1,
-    )  # fmt: skip
+    for quality in range(55, 0, -10):
+        moving = io.BytesIO()
+        frames[0].save(
+            moving, "WEBP", save_all=True, append_images=frames[1:], duration=1000 // RATE,
+            loop=0, quality=quality, method=4,
+        )  # fmt: skip
+        if len(moving.getvalue()) <= MOST:
+            break
+    (HERE / "watch.webp").write_bytes(moving.getvalue())
 
 
 if __name__ == "__main__":
