@@ -129,25 +129,29 @@ class PoseTrajectory:
         lowest = (away <= wide[:-2]) & (away <= wide[2:])
         # Where a path comes back close by, the nearest sample may be on the other way.
         near = np.flatnonzero(lowest & (away <= away.min() + self._spacing))
-        feet = [self._foot_at(at, int(k)) for k in near]
-        x, y, z = min(feet, key=lambda foot: float(np.linalg.norm(foot - at))).tolist()
+        feet = self._feet(at, near)
+        x, y, z = feet[int(np.argmin(np.linalg.norm(feet - at, axis=1)))].tolist()
         return x, y, z
 
-    def _foot_at(self, at: Array, k: int) -> Array:
-        """Return the nearest place about a sample, m."""
-        last = len(self._fine) - 1
-        grid = np.linspace(self._fine[max(k - 1, 0)], self._fine[min(k + 1, last)], _BETWEEN)
-        u = float(grid[int(np.argmin(np.linalg.norm(self._places(grid) - at, axis=1)))])
+    def _feet(self, at: Array, near: NDArray[np.intp]) -> Array:
+        """Return the nearest places about some samples, m, shape (n, 3).
+
+        All at once: a path that goes to and fro over the same ground has many.
+        """
+        first = self._fine[np.maximum(near - 1, 0)]
+        last = self._fine[np.minimum(near + 1, len(self._fine) - 1)]
+        grid = np.linspace(first, last, _BETWEEN, axis=1)
+        closest = np.argmin(np.linalg.norm(self._places(grid) - at, axis=2), axis=1)
+        u = grid[np.arange(len(near)), closest]
         for _ in range(_ROUNDS):
             away, slope = self._places(u) - at, self._places(u, 1)
-            curve = float(slope @ slope + away @ self._places(u, 2))
-            if curve <= 0.0:
-                break
-            nearer = min(max(u - float(away @ slope) / curve, 0.0), float(self._places.x[-1]))
-            if np.linalg.norm(self._places(nearer) - at) > np.linalg.norm(away):
-                break  # next to where the path turns back Newton may go past it
-            u = nearer
-        return np.asarray(self._places(u))
+            curve = np.sum(slope * slope + away * self._places(u, 2), axis=1)
+            step = np.sum(away * slope, axis=1) / np.where(curve > 0.0, curve, np.inf)
+            nearer = np.clip(u - step, 0.0, float(self._places.x[-1]))
+            # Next to where the path turns back Newton may go past the nearest place.
+            past = np.linalg.norm(self._places(nearer) - at, axis=1) > np.linalg.norm(away, axis=1)
+            u = np.where(past, u, nearer)
+        return np.asarray(self._places(u), dtype=np.float64)
 
     def _begin(self, arm: Dimensions, near: Joints) -> Joints:
         pose = self.pose(0.0)

@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.optimum import least_time
 from controllers.arm.plain import DampedLeastSquares
@@ -204,3 +205,39 @@ def test_a_whole_turn_away_is_no_reason_to_refuse(law, joint, sense, elsewhere):
         return
     with pytest.raises(InfeasibleMotion, match=f"q{joint + 1} would be at"):
         online.prepare(path)
+
+
+def test_a_path_over_the_same_ground_is_asked_no_more_often_where_it_is(monkeypatch):
+    """A place on it is looked for in all its passes at once, not in each by itself."""
+
+    def asked(lane):
+        points = tuple((0.5 + 0.02 * (k % 2), k * lane, 0.1) for k in range(30))
+        path = PosePath(points=points, near=radians(0, 20, 90, 0, 30, 0))
+        made = path.trajectory(dimensions_of(GEOMETRY))
+        places, calls = made._places, []
+
+        def counted(*given):
+            calls.append(given)
+            return places(*given)
+
+        counted.x = places.x
+        monkeypatch.setattr(made, "_places", counted)
+        made.foot((0.51, 0.0, 0.1))
+        return len(calls)
+
+    assert asked(1e-6) == asked(3e-3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_nearest_of_many_passes_is_found(seed):
+    """By the least of a fine grid over the whole path."""
+    rng = np.random.default_rng((0xF007, seed))
+    points = tuple((0.5 + 0.02 * (k % 2), k * 1e-4, 0.1) for k in range(12))
+    made = PosePath(points=points, near=radians(0, 20, 90, 0, 30, 0)).trajectory(
+        dimensions_of(GEOMETRY)
+    )
+    at = np.array((0.51, 6e-4, 0.1)) + rng.uniform(-1.0, 1.0, 3) * (8e-3, 5e-4, 1e-3)
+    grid = made._places(np.linspace(0.0, float(made._places.x[-1]), 400_001))
+    least = float(np.linalg.norm(grid - at, axis=1).min())
+    found = float(np.linalg.norm(np.array(made.foot(tuple(at))) - at))
+    assert found == pytest.approx(least, abs=1e-9)
