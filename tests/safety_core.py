@@ -62,6 +62,7 @@ SAFETY_CORE = {
         "mechanisms/test_cylinder_limits.py",
     ),
     "rig/mechanisms/joint/watch.py": (
+        "mechanisms/test_joint_causes.py",
         "mechanisms/test_joint_compiling.py",
         "mechanisms/test_joint_watch.py",
     ),
