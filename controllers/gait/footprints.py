@@ -27,8 +27,8 @@ class Footstep:
     foot : str
         Which one.
     x, y : float
-        Where the point under its ankle comes down, m: ahead and to the left of where the waist
-        was over the ground at the start.
+        Where the point under its ankle comes down, m: ahead and to the left of the middle
+        between the ankles at the start.
     heading : float
         Where the toes point, rad; positive to the left.
     height : float

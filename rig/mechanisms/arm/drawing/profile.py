@@ -129,9 +129,8 @@ def _frame(which: str, rotation: np.ndarray, position: np.ndarray, drawn: str) -
     if np.abs(position).max() > 1e-9:
         parts.append("at " + ", ".join(f"{1e3 * value:.6g}" for value in position) + " mm")
     if np.abs(turn).max() > 1e-4:
-        parts.append(
-            "turned by " + ", ".join(f"{value:.6g}" for value in turn.round(6) + 0.0) + " deg"
-        )
+        vector = ", ".join(f"{value:.6g}" for value in turn.round(6) + 0.0)
+        parts.append(f"turned by the rotation vector {vector} deg")
     if not parts:
         return []
     return [f"# The {which}'s frame here stands in {_one_line(drawn)} {' and '.join(parts)}."]
