@@ -23,8 +23,11 @@ _CLOSE = 0.75
 """How alike a column's name is to a known one that was meant, as `difflib` has it."""
 
 
-class Rotations(Enum):
-    """Ways to say in a file how the tool stands; the values are the columns' names."""
+class Rotations(tuple[str, ...], Enum):
+    """Ways to say in a file how the tool stands; the values are the columns' names.
+
+    They are tuples by type: of a plain member without names Python 3.11.2 forgets the value.
+    """
 
     NONE = ()
     QUATERNION = ("qw", "qx", "qy", "qz")
