@@ -6,6 +6,8 @@ the joints go on without a jump, and at the boundary, where the path itself stop
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +19,15 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_in_plane,
 )
+from controllers.arm.reversals import with_reversals
 from controllers.arm.singular_places import NEAR
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints, Pose
 from controllers.arm.vectors import rotation_error
 from controllers.motion import InfeasibleMotion
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 Array = NDArray[np.float64]
 Inverse = Callable[[float, Joints], list[Joints]]
@@ -60,21 +66,27 @@ class AxisPath:
     gone, turned : sequence of float
         Of each sample: the integrals over time of the scales of velocity and angular velocity,
         which is the nominal time where both are 1, s.
+    reversals : sequence of float
+        Those of `gone` at which the joints turn round: smooth on either side, they rest there.
     """
 
     def __init__(
-        self, joints: Sequence[Joints], gone: Sequence[float], turned: Sequence[float]
+        self,
+        joints: Sequence[Joints],
+        gone: Sequence[float],
+        turned: Sequence[float],
+        reversals: Sequence[float] = (),
     ) -> None:
-        from scipy.interpolate import CubicSpline
-
         q, way = np.array(joints), np.column_stack((gone, turned))
         steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
         keep = np.concatenate(([True], steps > 1e-12))
         q, way = q[keep], way[keep]
         lengths = np.linalg.norm(np.diff(q, axis=0), axis=1)
         self.knots: Array = np.concatenate(([0.0], np.cumsum(lengths)))
-        self._joints = CubicSpline(self.knots, q)
-        self._way = CubicSpline(self.knots, way)
+        corners = np.flatnonzero(np.isin(way[1:-1, 0], reversals)) + 1
+        self.corners: Array = self.knots[corners]
+        self._joints = _spline(self.knots, q, corners)
+        self._way = _spline(self.knots, way, corners)
 
     @property
     def length(self) -> float:
@@ -102,6 +114,15 @@ class AxisPath:
         rates = self.joints(s, 1) / self.way(s, 1)[:, :1]
         for q, rate in zip(self.joints(s).tolist(), rates.tolist(), strict=True):
             yield tuple(q), tuple(rate)
+
+
+def _spline(knots: Array, values: Array, corners: NDArray[np.intp]) -> "PPoly":
+    """Return the splines through values, shape (n, m), from corner to corner, as one."""
+    from scipy.interpolate import CubicSpline, PPoly
+
+    ends = [0, *corners.tolist(), len(knots) - 1]
+    pieces = [CubicSpline(knots[a : b + 1], values[a : b + 1]) for a, b in pairwise(ends)]
+    return PPoly(np.concatenate([piece.c for piece in pieces], axis=1), knots)
 
 
 def axis_path_of_line(
@@ -170,8 +191,9 @@ def axis_path_of_line(
         nominal.append(t)
         joints.append(q)
         step *= 1.6 if moved < 0.4 * FINEST else 1.0
+    (nominal, joints), corners = with_reversals(nominal, joints, solve)
     for _ in range(_REFINEMENTS):
-        made = AxisPath(joints, nominal, nominal)
+        made = AxisPath(joints, nominal, nominal, corners)
         loose = _loose(arm, trajectory, made)
         if not loose:
             break

@@ -20,6 +20,8 @@ _HALVINGS = 12
 """How often the samples are halved, at most."""
 _UNEVEN = 1e-5
 """By how much the hand's speed may differ from the path's, relative, beside its samples."""
+_SAME = 1e-12
+"""Share of the spline's parameter within which two of its places are one."""
 _BETWEEN = 65
 """Places that are looked at between three samples."""
 _ROUNDS = 4
@@ -86,7 +88,7 @@ class PoseTrajectory:
 
         There the hand would not have its speed: halfway between two places that is looked at.
         """
-        fine = np.unique(np.concatenate((even, u)))
+        fine = _apart(np.unique(np.concatenate((even, u))))
         for _ in range(_HALVINGS):
             slopes = np.linalg.norm(self._places(fine, 1), axis=1)
             halfway = 0.5 * (fine[1:] + fine[:-1])
@@ -99,7 +101,7 @@ class PoseTrajectory:
             loose = np.abs(speed - 1.0) > _UNEVEN
             if not loose.any():
                 break
-            fine = np.unique(np.concatenate((fine, halfway[loose])))
+            fine = _apart(np.unique(np.concatenate((fine, halfway[loose]))))
         return self._at(lengths), lengths
 
     def pose(self, t: float) -> Pose:
@@ -162,6 +164,12 @@ class PoseTrajectory:
         except OutOfReach as error:
             raise InfeasibleMotion(f"the path cannot be begun: {error}.") from error
         return min(found, key=lambda q: float(np.linalg.norm(np.subtract(q, near))))
+
+
+def _apart(places: Array) -> Array:
+    """Return increasing places without those that only rounding tells from the one before."""
+    apart = np.concatenate(([True], np.diff(places) > _SAME * places[-1]))
+    return np.asarray(places[apart], dtype=np.float64)
 
 
 def _turning(u: Array, poses: Poses, axes: Array, tool: Array) -> ToolTurning:

@@ -109,6 +109,8 @@ class Strain(NamedTuple):
 def grid_of(path: AxisPath) -> Array:
     """Return the places of a path at which its timing is worked out, rad, shape (n,)."""
     s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
+    for corner in path.corners:
+        s = s[(np.abs(s - corner) > 1e-9) | (s == corner)]
     return np.asarray(s[np.concatenate(([True], np.diff(s) > 1e-9))], dtype=np.float64)
 
 
@@ -145,6 +147,7 @@ def retime(
     if acceleration_limits is None:
         speed = greatest
     else:
+        greatest[np.isin(s, path.corners)] = 0.0
         allowed = _ACCELERATION_SHARE * np.array(acceleration_limits)
         if strain is not None:
             tangent, bend = tangent * strain.accelerations, bend * strain.accelerations
