@@ -96,6 +96,14 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         changes = {f"controllers.pid.{name}": gain for name, gain in gains.items()}
         return profile_with(self.profile, changes), "pid"
 
+    def with_placing_controller(self) -> tuple[Profile, str]:
+        """See `Pneumatics.with_placing_controller`.
+
+        Encoders come before friction and response, so nobody knows yet what the pair bears: the
+        PID's own gains swing between levels on regulators of 0.67 of the speed.
+        """
+        return self.with_gentle_controller()
+
     def reach(self, share: float) -> float:
         """See `Pneumatics.reach`."""
         low, high = self.settings.limits.position
