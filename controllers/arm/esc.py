@@ -1,7 +1,7 @@
 """The enhanced singularity-consistent law: as the paper has it, and with what it lacks."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Interval, Unit
@@ -12,7 +12,7 @@ from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import LONGEST_STEP
 from controllers.arm.kinematics import singularity_indices
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.motions import (
     circle_motion,
     dwell_motion,
@@ -21,6 +21,7 @@ from controllers.arm.motions import (
 )
 from controllers.arm.online.follower import OnDirection, TwistFollower
 from controllers.arm.promises import ALL_JOINTS, Promises
+from controllers.arm.ramps import from_rest
 from controllers.arm.region import (
     elbow_scale,
     pass_scale,
@@ -50,6 +51,8 @@ _WIDEST = 0.3
 """Half width of the wrist's region, sine of q5: farther away nothing is singular."""
 _STALLED = 1e-6
 """Share of its speed below which the hand does not get away from a singularity."""
+_FINE = 0.125
+"""Share of a period at which a motion is sampled that is given ramps."""
 _RADIAL = 1.0 - 1e-9
 """Cosine to the arm from which on a line is radial."""
 
@@ -223,11 +226,15 @@ class EscSettings:
         Widen it for q3's acceleration limit.
     elbow_region : float, optional
         Its half width, sine of q3, whatever follows from the other two.
+    from_rest : bool
+        Begin and end at rest, within the joints' accelerations. Otherwise the hand starts and
+        stops at its speed within a period, as the paper's does.
     """
 
     account_turning: bool = True
     limit_acceleration: bool = True
     elbow_region: Share | None = None
+    from_rest: bool = False
 
 
 class Esc(ArmLaw[EscSettings]):
@@ -237,7 +244,8 @@ class Esc(ArmLaw[EscSettings]):
     the tool turns; q3 keeps its acceleration limit on a radial line to the boundary; the command's
     sign is kept on either side of the elbow; exact hits of shoulder and wrist are passed, and
     near misses take no longer than the rate limits require; a dwell has its exact length and
-    never stops. Does not promise the accelerations of near misses: see `look-ahead`.
+    never stops. Does not promise the accelerations of near misses nor, unless it is told to begin
+    from rest, of its start and its stop: see `look-ahead`.
 
     References
     ----------
@@ -278,6 +286,18 @@ class Esc(ArmLaw[EscSettings]):
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""
+        if not self.settings.from_rest:
+            return self._at_speed(trajectory, end)
+        fine = _FINE * self.period
+        at_speed = Esc(replace(self.settings, from_rest=False), self.geometry, fine)
+        at_speed.longest = self.longest
+        motion = collected(at_speed.move(trajectory, end), fine, self.longest)
+        limits = self.geometry.acceleration_limits
+        path, timing = from_rest(motion, fine, self.period, end, limits)
+        return follow_axis_path(trajectory, path, timing, self.period, end)
+
+    def _at_speed(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield the motion that is at its speed from the first instant to the last."""
         if isinstance(trajectory, CircularTrajectory):
             return circle_motion(self, trajectory, end)
         if isinstance(trajectory, TurnTrajectory):

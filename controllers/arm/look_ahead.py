@@ -14,6 +14,7 @@ from controllers.arm.dynamics.carried import check_held, torques_for
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
+from controllers.arm.motion_path import axis_path_of_motion, timed_samples
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, grid_of, retime_within
@@ -26,8 +27,6 @@ _SHORTEST = 0.125
 """Share of `_FINE` to which that period is shortened where the joints go fast."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
-_LAST = 0.3
-"""Share of a period that the last one has at least."""
 _BRISK = 0.03
 """Speed at which a slower line that turns back is sampled, m/s: where the tool does not turn the
 joints' path is the same at any speed."""
@@ -118,7 +117,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         if longest > FINEST:
             period *= max(FINEST / longest, _SHORTEST)
             samples, duration = self._fine(trajectory, period)
-        return axis_path_of_motion(samples, period, duration, share)
+        return axis_path_of_motion(*timed_samples(samples, period, duration), share)
 
     def _brisk(self, trajectory: Trajectory) -> tuple[Trajectory, float]:
         """Return a path at a speed at which it is sampled, and that speed over its own."""
@@ -148,35 +147,6 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         esc, end = Esc(EscSettings(), self.geometry, period), MotionEnd()
         samples = collected(esc.move(trajectory, end), period, self.longest)
         return samples, end.duration
-
-
-def axis_path_of_motion(
-    motion: list[Sample], period: float, duration: float, share: float = 1.0
-) -> AxisPath:
-    """Return the joint path of a motion that may turn back, with the scales that it has.
-
-    Parameters
-    ----------
-    motion : list of Sample
-        A period apart, but for the last, which is at rest at the end.
-    period, duration : float
-        s.
-    share : float
-        Of the commanded speed, with which it is done.
-    """
-    samples = motion[:-1]
-    steps = [period] * (len(samples) - 1) + [duration - period * (len(samples) - 1)]
-    if steps[-1] < _LAST * period and len(samples) > 1:  # so near to the end that it says nothing
-        del samples[-1]
-        last = steps.pop()
-        steps[-1] += last
-    scales = [(sample.linear, sample.angular) for sample in samples]
-    gone, turned = [0.0], [0.0]
-    for step, a, b in zip(steps, scales, [*scales[1:], scales[-1]], strict=True):
-        gone.append(gone[-1] + 0.5 * share * step * (a[0] + b[0]))
-        turned.append(turned[-1] + 0.5 * share * step * (a[1] + b[1]))
-    joints = [sample.positions for sample in samples]
-    return AxisPath([*joints, motion[-1].positions], gone, turned)
 
 
 def carried_along(trajectory: Trajectory) -> Payload | None:

@@ -138,6 +138,12 @@ class ArmPlan:
         return np.asarray(np.abs(self.accelerations).max(axis=0, initial=0.0), dtype=np.float64)
 
     @property
+    def end_accelerations(self) -> Array:
+        """What starting from rest and stopping within a period ask of each joint, rad/s²."""
+        ends = np.abs(self.velocities[[0, max(len(self.velocities) - 2, 0)]])
+        return np.asarray(ends.max(axis=0) / self.period, dtype=np.float64)
+
+    @property
     def deviation(self) -> Array:
         """Distance of the hand from the path, m, shape (n,)."""
         return np.asarray(np.linalg.norm(self.hand - self.path, axis=1), dtype=np.float64)

@@ -83,7 +83,12 @@ def _shares(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, Fact]:
     return {
         "peak_rate_share": Fact(float(rates.max()), "", "greatest rate over its limit"),
         "peak_acceleration_share": Fact(
-            float(hardest.max()), "", "greatest acceleration over its limit"
+            float(hardest.max()), "", "greatest acceleration over its limit, on the way"
+        ),
+        "end_acceleration_share": Fact(
+            float((plan.end_accelerations / np.array(geometry.acceleration_limits)).max()),
+            "",
+            "the same of the start and the stop: above 1 they are steps of the speed",
         ),
     }
 
