@@ -26,7 +26,7 @@ _LONGER = 1.05
 
 
 class Ramps(NamedTuple):
-    """How a law's own time passes, s.
+    """The passing of a law's own time, s.
 
     Parameters
     ----------
