@@ -43,7 +43,7 @@ _LOOKED_AT = 500
 """Places of a path that leaves the workspace at which it is looked at by how much."""
 _LEAVING = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 """Shares of the path after which it is looked at how a singularity at its beginning is left."""
-_REFINEMENTS = 8
+_REFINEMENTS = 24
 """How often steps are halved between which the path is left."""
 _NEWTON = 3
 """Steps of Newton's method from a place that is interpolated between two samples."""

@@ -174,7 +174,9 @@ def judge(seed, rivals):
     """Return kind, outcome and what was measured of ours, and the outcomes of the rivals."""
     kind, path = draw(seed)
     dwells = isinstance(path, DwellLine)
-    law = Esc(EscSettings(), ARM, PERIOD) if dwells else LookAhead(LookAheadSettings(), ARM, PERIOD)
+    law = LookAhead(LookAheadSettings(), ARM, PERIOD)
+    if dwells:  # time is what that law optimises
+        law = Esc(EscSettings(from_rest=True), ARM, PERIOD)
     others = {name: rival(*RIVALS[name], path) for name in rivals}
     told = ""
     try:
@@ -185,7 +187,8 @@ def judge(seed, rivals):
             return kind, str(error), {}, others
         plan, told = law.prepare(path), ", at the speed that its refusal names"
     shares = np.abs(np.diff(plan.positions, axis=0)).max(axis=0) / PERIOD / ARM.rate_limits
-    change = np.abs(np.diff(plan.velocities[:-1], axis=0)).max(axis=0, initial=0.0) / PERIOD
+    rates = np.vstack((np.zeros(6), plan.velocities))  # from rest; the last row is at rest again
+    change = np.abs(np.diff(rates, axis=0)).max(axis=0, initial=0.0) / PERIOD
     found = {
         "rate": float(shares.max()),
         "acceleration": float((change / ARM.acceleration_limits).max()),

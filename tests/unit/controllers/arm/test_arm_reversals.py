@@ -1,10 +1,11 @@
 """Paths that go out and back over the same ground: the arm rests where they turn round."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
-from drawn_cases import WIDE, faults_of, hand_of
+from drawn_cases import WIDE, draw_geometry, draw_offset_geometry, faults_of, hand_of
 from scipy.interpolate import CubicSpline
 
 from controllers.arm.geometry import ArmGeometry
@@ -12,11 +13,13 @@ from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.pose_path import PosePath
 from controllers.arm.reversals import with_reversals
+from controllers.motion import InfeasibleMotion
 
 GEOMETRY = ArmGeometry(**WIDE)
 ARM = dimensions_of(GEOMETRY)
 NEAR = (0.3, 0.35, 1.5, 0.4, 0.6, -0.2)
 EVERY = range(6)
+SPIKES = range(4)
 
 
 def plan(points, speed, period):
@@ -63,6 +66,76 @@ def test_a_zigzag_is_followed_to_its_ends(seed, aside):
             np.linalg.norm(hands - place, axis=1).min()
             < (0.1 if aside < 5e-5 else 0.6) * speed * period + 1e-5
         )
+
+
+def spiked(rng):
+    """Return an arm, and a path on it that goes out and back somewhere, the tool turning or not."""
+    geometry = draw_geometry(rng) if rng.random() < 0.6 else draw_offset_geometry(rng)
+    near = rng.uniform((-2, 0.1, 0.8, -1, 0.2, -2), (2, 0.9, 1.8, 1, 1.2, 2))
+    near[4] *= rng.choice((-1, 1))
+    legs, length = int(rng.integers(2, 7)), 10 ** rng.uniform(-4, -1.1)
+    way = rng.normal(size=3)
+    way *= length / np.linalg.norm(way)
+    places = np.cumsum(length * rng.normal(size=(legs + 1, 3)), axis=0).tolist()
+    place = places[turn := int(rng.integers(1, legs))]
+    places[turn + 1 : turn + 1] = [(np.array(place) + way).tolist(), place]
+    header, tools = "x (mm),y (mm),z (mm)", [()] * len(places)
+    if rng.random() < 0.4:
+        header += ",tool_x,tool_y,tool_z"
+        tools = (np.array((0.0, 0.0, 1.0)) + 0.2 * rng.normal(size=(len(places), 3))).tolist()
+    rows = [
+        ",".join(f"{number:.9f}" for number in (*(1e3 * np.array(at)), *tool))
+        for at, tool in zip(places, tools, strict=True)
+    ]
+    speed, period = float(10 ** rng.uniform(-2, -0.4)), float(rng.choice((1e-3, 2e-3, 5e-3, 1e-2)))
+    settings = {"near": tuple(near.tolist()), "frame": "start", "speed": speed}
+    return dataclasses.replace(geometry, **WIDE), "\n".join([header, *rows]), settings, period
+
+
+def judge(seed, folder):
+    rng = np.random.default_rng((977, seed))
+    geometry, text, settings, period = spiked(rng)
+    file = folder / f"{seed}.csv"
+    file.write_text(text + "\n")
+    law = LookAhead(LookAheadSettings(), geometry, period)
+    path = PosePath(file=file, **settings)
+    try:
+        made = law.prepare(path)
+    except InfeasibleMotion as error:
+        return [] if "workspace" in str(error) else [str(error)]
+    faults = faults_of(geometry, path, made, EVERY, EVERY)
+    return faults + [f"{made.path_deviation} m off"] * (made.path_deviation > 1e-6)
+
+
+@pytest.mark.parametrize("seed", SPIKES)
+def test_a_spike_in_a_path_is_followed(seed, tmp_path):
+    assert judge(seed, tmp_path) == []
+
+
+def test_a_bend_of_some_micrometres_beside_a_spike_is_followed():
+    """Its samples are halved more often than those of any bend of a path without spikes."""
+    places = 1e-3 * np.array((
+        (0.331559812, -0.812437496, -0.059192329), (-4.671825911, 0.893691943, 3.077145286),
+        (-0.149613904, -1.216454584, 2.783346097), (1.155369623, -1.934100766, 2.713709585),
+        (-0.501906383, 4.899044309, 4.316169525), (0.239614244, 5.479805058, 5.982555788),
+        (-0.501906383, 4.899044309, 4.316169525), (-2.103562436, 5.583647478, 3.671875335),
+    ))  # fmt: skip
+    near = (-1.5979345684, 0.7108842411, 1.0618537306, -0.1052429163, -1.0870778785, -0.6479974631)
+    geometry = ArmGeometry(
+        a1=0.068222696, a2=0.584142112, a3=0.516101167, d6=0.049174679, base_height=0.40115083,
+        elbow_offset=0.003211049, **WIDE,
+    )  # fmt: skip
+    path = PosePath(points=tuple(map(tuple, places)), near=near, frame="start", speed=0.2369840791)
+    made = LookAhead(LookAheadSettings(), geometry, 1e-3).prepare(path)
+    assert made.path_deviation < 1e-7
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("block", range(4))
+def test_a_hundred_spikes_in_paths_are_followed(block, tmp_path):
+    wrong = {seed: judge(seed, tmp_path) for seed in range(100 + 25 * block, 125 + 25 * block)}
+    assert {seed: faults for seed, faults in wrong.items() if faults} == {}
 
 
 @pytest.mark.parametrize("seed", range(40))
