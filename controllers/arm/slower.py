@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from controllers.arm.paths import Circle, DwellLine
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.turn_path import TurnPath
+from controllers.rounding import floor
 
 
 class Slower(NamedTuple):
@@ -47,9 +48,3 @@ def slower_path(path: ArmPathSettings, factor: float) -> Slower | None:
         changes["turn_rate"] = math.copysign(floor(abs(turn_rate) / factor), turn_rate)
         words += " and {turn_rate:g} rad/s"
     return Slower(dataclasses.replace(settings, **changes), words.format(**changes))
-
-
-def floor(value: float) -> float:
-    """Return the greatest number of four digits that is no greater."""
-    digit = 10.0 ** (math.floor(math.log10(value)) - 3)
-    return float(f"{math.floor(value / digit) * digit:.4g}")

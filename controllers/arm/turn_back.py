@@ -12,13 +12,13 @@ from controllers.arm.kinematics import Dimensions, singularity_indices, wrist_ce
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample, inside_boundary
 from controllers.arm.region import least_rate
-from controllers.arm.slower import floor
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.turn_back_kernel import TurnNumbers, TurnSample, turn_on, turn_sample
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
 from controllers.bisection import bisect
 from controllers.compiled import KernelMemory
 from controllers.motion import InfeasibleMotion, check_length
+from controllers.rounding import floor
 
 _TOUCHING = 1e-6
 _TANGENTIAL = 1e-3

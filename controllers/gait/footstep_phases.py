@@ -173,6 +173,7 @@ def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> li
     """
     reach = geometry.distance(settings.knee_min)
     needs: list[_Need] = []
+    too_high = ""
     for number, stance in enumerate(walk.stances, 1):
         s, c = math.sin(stance.yaw), math.cos(stance.yaw)
         x, y, height = stance.over
@@ -192,13 +193,15 @@ def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> li
                     f"a leg with its knee at {math.degrees(settings.knee_min):g} deg reaches "
                     f"{reach * 1e3:.1f} mm."
                 )
-            if settings.hip is not None and settings.hip > most:
-                raise InfeasibleMotion(
+            if settings.hip is not None and settings.hip > most and not too_high:
+                too_high = (
                     f"step {number} ({LEGS[stance.leg]}): hips at {settings.hip * 1e3:.1f} mm over "
-                    f"the standing ankle leave the {LEGS[leg]} foot out of reach; at "
-                    f"{math.floor(most * 1e4) / 10:.1f} mm it would fit."
+                    f"the standing ankle leave the {LEGS[leg]} foot out of reach"
                 )
             needs.append(_Need(step, most))
+    if too_high:
+        lowest = math.floor(min(need.hips for need in needs) * 1e4) / 10
+        raise InfeasibleMotion(f"{too_high}; at {lowest:.1f} mm all steps would be in reach.")
     return needs
 
 

@@ -7,6 +7,7 @@ the same.
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -30,13 +31,32 @@ from controllers.gait.types import (
     LegsState,
 )
 from controllers.motion import InfeasibleMotion, check_length
+from controllers.rounding import floor
 
 _JOINTS = len(AXIS_NAMES)
 _REST: Joints = (0.0,) * 12
 _RATE_SHARE = 1e-3
 """By which a joint may pass its greatest rate, relative: what servos do not resolve."""
+_TRIES = 12
+"""Speeds that are tried for one at which a motion is accepted."""
+_SLOWER = 0.98
+"""Of a speed that was tried, the next one at most."""
 _ROUNDING = 1e-9
 """By which a joint may pass its limit, rad."""
+
+
+class TooQuick(InfeasibleMotion):
+    """A motion that would be accepted more slowly.
+
+    Attributes
+    ----------
+    slower : float
+        Speed at which its worst instant would be within bounds.
+    """
+
+    def __init__(self, message: str, slower: float) -> None:
+        super().__init__(message)
+        self.slower = slower
 
 
 class TimedPhase(NamedTuple):
@@ -112,9 +132,32 @@ class GaitLaw(
             if isinstance(motion, WalkSettings | FootstepsSettings):
                 motion = fastest(self._prepare_within_rates, motion)
             return self._prepare(motion)
-        except InfeasibleMotion:
+        except InfeasibleMotion as error:
+            words = (
+                f"{error}; {self._fitting(motion, error)}." if isinstance(error, TooQuick) else ""
+            )
             self._schedule = ()  # what was refused must not run
+            if words:
+                raise InfeasibleMotion(words) from error
             raise
+
+    def _fitting(self, motion: LegsMotion, refused: TooQuick) -> str:
+        """Say at which speed a motion would be accepted, which is tried.
+
+        Slower, its worst instant may be another one.
+        """
+        speed = refused.slower
+        for _ in range(_TRIES):
+            speed = floor(speed)
+            try:
+                self._prepare(replace(motion, speed=speed))
+            except TooQuick as error:
+                speed = min(error.slower, _SLOWER * speed)
+            except InfeasibleMotion as error:
+                return f"at a speed of {speed:g} it would be refused, too: {str(error).rstrip('.')}"
+            else:
+                return f"at a speed of {speed:g} instead of {motion.speed:.4g} it would fit"
+        return "no speed was found at which it would fit"
 
     def _prepare_within_rates(self, motion: LegsMotion) -> GaitPlan:
         plan = self._prepare(motion)
@@ -249,27 +292,22 @@ class GaitLaw(
         if plan.margin < bound:
             static = float(plan.balance.static_margin[worst])
             what = "centre of mass" if static < bound else "zero-moment point"
-            raise InfeasibleMotion(
+            words = (
                 f"at {plan.t[worst]:.3f} s ({self._name_at(plan, worst)}) the {what} would be "
                 f"{plan.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
-                f"{bound * 1e3:g} mm{_what_would_do(plan.margin, static, bound, speed)}."
+                f"{bound * 1e3:g} mm"
             )
+            if static < bound:
+                raise InfeasibleMotion(
+                    f"{words}, and slower it would be {static * 1e3:.1f} mm at most."
+                )
+            # Between the two lies what accelerations do, which go with the square of the speed.
+            share = math.sqrt((static - bound) / (static - plan.margin))
+            raise TooQuick(words, 0.999 * speed * share)
 
     @staticmethod
     def _name_at(plan: GaitPlan, sample: int) -> str:
         return plan.phases[int(plan.phase_number[sample])].phase.name
-
-
-def _what_would_do(margin: float, static: float, bound: float, speed: float) -> str:
-    """Say what would keep a margin of balance at an instant, m.
-
-    Between the centre of mass and the zero-moment point lies what accelerations do, which go with
-    the square of the speed.
-    """
-    if static < bound:
-        return f", and slower it would be {static * 1e3:.1f} mm at most"
-    slower = 0.999 * speed * math.sqrt((static - bound) / (static - margin))
-    return f"; at a speed of {slower:.4g} instead of {speed:.4g} it would be kept"
 
 
 def check_rates(plan: GaitPlan, speed: float) -> None:
@@ -277,19 +315,18 @@ def check_rates(plan: GaitPlan, speed: float) -> None:
 
     Raises
     ------
-    InfeasibleMotion
-        With the joint, the instant, the rate, and the speed of the motion at which it would fit
-        if its rates were in proportion.
+    TooQuick
+        With the joint, the instant and the rate.
     """
     limit = plan.geometry.max_rate
     sample, joint = divmod(int(np.argmax(np.abs(plan.q_dot))), len(AXIS_NAMES))
     worst = abs(float(plan.q_dot[sample, joint]))
     if worst > (1.0 + _RATE_SHARE) * limit:
         phase = plan.phases[int(plan.phase_number[sample])].phase.name
-        raise InfeasibleMotion(
+        raise TooQuick(
             f"at {plan.t[sample]:.3f} s ({phase}) {AXIS_NAMES[joint]} would need {worst:.4g} "
-            f"rad/s, beyond its limit of {limit:.4g} rad/s; at a speed of "
-            f"{0.999 * speed * limit / worst:.4g} instead of {speed:.4g} it would fit."
+            f"rad/s, beyond its limit of {limit:.4g} rad/s",
+            0.999 * speed * limit / worst,
         )
 
 

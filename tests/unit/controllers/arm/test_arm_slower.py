@@ -10,9 +10,10 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
 from controllers.arm.pose_path import PosePath
-from controllers.arm.slower import floor, slower_path
+from controllers.arm.slower import slower_path
 from controllers.arm.turn_path import TurnPath
 from controllers.motion import InfeasibleMotion
+from controllers.rounding import floor
 
 ARM = ArmGeometry(**WIDE)
 PLACES = ((0.3, 0.0, 0.4), (0.3, 0.1, 0.4))

@@ -2,11 +2,13 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 from gait_oracle import FINE, Curve, hip_height, joints_of, stages_of
 
 from controllers.gait.geometry import AXIS_NAMES
+from controllers.motion import InfeasibleMotion
 
 OF_LAWS = 0.02
 """By which a time that is said to be needed may be more than the least, relative."""
@@ -137,12 +139,34 @@ def _peak_of_jerk(motion, geometry, period):
     return float(peak)
 
 
+def _of_slower(said, motion, law):
+    """Judge "at a speed of # instead of # it would fit", and that it would be refused, too."""
+    slower, speed = said
+    if speed is not None and not _near(speed, motion.speed):
+        return "the speed"
+    if not float(slower) < motion.speed:
+        return "it is no slower"
+    try:
+        law.prepare(replace(motion, speed=float(slower)))
+    except InfeasibleMotion as error:
+        return "" if speed is None else f"at {slower}: {error}"
+    return "it is not refused" if speed is None else ""
+
+
+def _of_other_speeds(said, motion, law):
+    fits, instead, refused = said
+    if fits is not None:
+        return _of_slower((fits, instead), motion, law)
+    return "" if refused is None else _of_slower((refused, None), motion, law)
+
+
 def _of_rates(said, motion, law, geometry, period):
-    _, _, joint, worst, limit, _, speed = said
+    _, _, joint, worst, limit, *others = said
     if not (_near(limit, geometry.max_rate) and joint in AXIS_NAMES):
         return "the limit"
-    if not _near(speed, motion.speed):
-        return "the speed"
+    wrong = _of_other_speeds(others, motion, law)
+    if wrong:
+        return wrong
     if law.name != "min-jerk":
         return "" if float(worst) > float(limit) else "it is within its limit"
     peak = _peak_of_jerk(motion, geometry, period)
@@ -184,7 +208,10 @@ def _of_bob(said, motion, law, geometry, period):
 
 
 def _of_balance(said, motion, law, geometry, period):
-    name, what, margin, bound = said[1:5]
+    name, what, margin, bound, *others = said[1:]
+    wrong = _of_other_speeds(others, motion, law)
+    if wrong:
+        return wrong
     if not _near(bound, 1e3 * law.model.balance.min_margin):
         return "the bound"
     if what == "zero-moment point":  # of the timing; that the feet bear the robot is elsewhere
@@ -248,6 +275,10 @@ def _of_periods(said, motion, law, geometry, period):
     return "" if right and stage.duration < 2.5 * period else "it is long enough"
 
 
+_OTHER_SPEEDS = (
+    r"(?:; at a speed of # instead of # it would fit|; at a speed of # it would be refused, too: .*"
+    r"|; no speed was found at which it would fit)?\."
+)
 _CLAIMS = {
     r"(.+), # % of the way: the hip would be # mm from the ankle; the leg reaches # … # mm\.":
         _of_reach,
@@ -257,13 +288,14 @@ _CLAIMS = {
     r"\(# rad/s\); the phase needs at least # s instead of # s\.": _of_trapezoid,
     r"(.+): the joints' curve of # rad takes # s at a norm of # rad/s, but the phase lasts # s\.":
         _of_norm,
-    r"at # s \((.+)\) (\w+) would need # rad/s, beyond its limit of # rad/s; at a speed of # "
-    r"instead of # it would fit\.": _of_rates,
+    r"at # s \((.+)\) (\w+) would need # rad/s, beyond its limit of # rad/s" + _OTHER_SPEEDS:
+        _of_rates,
     r"at # s \((.+)\) (\w+) would be at # deg, outside # … # deg\.": _of_range,
     r"a step of # mm with # mm of sway is out of the reach of a leg of # mm\.": _of_step,
     r"bob: a support knee of # deg would lower the waist by # mm; it is straighter without\.":
         _of_bob,
     r"at # s \((.+)\) the (centre of mass|zero-moment point) would be # mm inside the edge of the "
-    r"support; the bound is # mm.*\.": _of_balance,
+    r"support; the bound is # mm(?:, and slower it would be -?[\d.]+ mm at most)?" + _OTHER_SPEEDS:
+        _of_balance,
     r"(.+) lasts # s: less than two periods of # s\.": _of_periods,
 }  # fmt: skip

@@ -158,7 +158,7 @@ REFUSED = {
     "hips too high": (
         (RIGHT,),
         {"hip": 0.199},
-        r"step 1 \(right\): hips at 199\.0 mm .* at 1\d\d\.\d mm it would fit",
+        r"step 1 \(right\): hips at 199\.0 mm .* at 1\d\d\.\d mm all steps would be in reach",
     ),
     "turned in too far": (
         (Footstep("right", 0.03, -0.07, heading=math.radians(35.0)),),
@@ -251,9 +251,9 @@ def test_rates_and_balance_are_refused_with_step_joint_and_instant_and_what_woul
     with pytest.raises(InfeasibleMotion, match=r"at \d+\.\d+ s \(.* \d\) the zero-m") as refused:
         law.prepare(walk)
     slower = float(re.search(r"at a speed of (\S+) instead of 8", str(refused.value)).group(1))
-    law.prepare(replace(walk, speed=0.9 * slower))
+    law.prepare(replace(walk, speed=slower))
     law = InverseLaw(NoSettings(), model(), 1e-3)
-    words = r"at 14\.00\d s \(swing left 2\) left_knee would need 1\d\.\d+ rad/s, .* at a speed of"
+    words = r"at 14\.00\d s \(swing left 2\) left_knee would need 1\d\.\d+ rad/s, beyond"
     with pytest.raises(InfeasibleMotion, match=words):
         check_rates(law.prepare(FootstepsSettings(numbers=StepNumbers())), 1.0)
 
