@@ -23,6 +23,7 @@ from rig.hal.hindsight import Suspect
 from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
+from rig.mechanisms.cylinder.jumps import check_jump
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.targets import PairTargets
@@ -168,12 +169,12 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     def plan(
         cls, settings: CylinderSettings, reference: object, controller: Any, period: float
     ) -> Motion[PairReference]:
-        """Return the reference itself, if it keeps the permitted positions and the speed."""
+        """Return the reference itself, if it keeps positions and speed, and can be followed."""
         if not isinstance(reference, PairMotion):
             raise ValueError("the reference is not one for a pair of cylinders")
-        motion = reference
-        lower, upper = settings.limits.position
-        fastest = settings.limits.speed
+        motion, limits = reference, settings.limits
+        lower, upper = limits.position
+        fastest, before = limits.speed, math.nan
         for tick in range(int(motion.duration / period) + 1):
             t = tick * period
             position, velocity, _ = motion.at(t)
@@ -189,6 +190,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
                     f"after {t:.3g} s the reference moves at {velocity:.3g} m/s, faster than "
                     f"limits.speed, {fastest:g} m/s"
                 )
+            jump, before = position - before, position
+            if abs(jump) > limits.following and isinstance(controller, PairLaw):
+                lost = settings.alarms.oscillation.lost
+                check_jump(controller, t, jump, limits.following, limits.pair_force, lost)
         return motion
 
     @classmethod
