@@ -74,3 +74,22 @@ def test_the_loop_keeps_its_distance_from_instability(rig, bench):
     (margin,) = bench._coarse.margins(bench.settings, [bench._coarse.told()])
     assert margin.stable
     assert margin.sensitivity < BOUNDS[rig].sensitivity
+
+
+AS_TOLD = 1.5e-3
+"""Error of the marker of the joint with low-speed seals, m; `joint` comes to 1.8 mm."""
+PERMITTED = 2.0
+"""Sensitivity up to which hardware is permitted a loop."""
+
+
+@pytest.mark.parametrize("seed", [0, *SLOW])
+def test_the_joint_with_low_speed_seals_is_tracked_as_told(seed):
+    bench = Workbench(Request("joint-low-speed", "cascade", None, (), None, 0))
+    told = bench._coarse.told()
+    trial = bench._coarse.trial(bench.settings, told, seed)
+    assert max(trial.errors.values()) < AS_TOLD
+    assert trial.hunting < 0.1e-3
+    assert trial.reversals < 25.0
+    assert trial.strayed < STRAYED
+    (margin,) = bench._coarse.margins(bench.settings, [told])
+    assert margin.sensitivity < PERMITTED

@@ -45,7 +45,7 @@ LAWS = {
 }
 RIGS = {
     name: load_profile(name, REGISTRY, (), find_configs())
-    for name in ("joint-ideal", "joint-fine", "joint-fine-fast", "joint-low-speed")
+    for name in ("joint-ideal", "joint-fine", "joint-fine-fast", "joint-ideal-low-speed")
 }
 
 LAST_OF_FOUR_LAPS = slice(-5000, None)
@@ -258,7 +258,7 @@ def test_seals_that_slide_slowly_slip_shorter_where_the_ring_is_shaken_along_its
 
 
 def test_joint_circle_with_low_speed_seals():
-    found = run("joint-low-speed", circle(0.1, laps=0.4), seed=1)
+    found = run("joint-ideal-low-speed", circle(0.1, laps=0.4), seed=1)
     assert found.wire <= 0.05e-3
     assert found.marker() <= 0.15e-3
     assert found.keeps_tensions()
@@ -268,7 +268,7 @@ def test_joint_circle_with_low_speed_seals():
 @seeds
 @pytest.mark.parametrize("frequency", [0.1, 0.2, 0.5])
 def test_joint_circle_with_low_speed_seals_of_any_unit(frequency, seed):
-    found = run("joint-low-speed", circle(frequency), seed=seed)
+    found = run("joint-ideal-low-speed", circle(frequency), seed=seed)
     assert found.wire <= 0.05e-3
     assert found.marker() <= 0.15e-3
     assert found.keeps_tensions()
@@ -284,13 +284,15 @@ def test_joint_with_more_friction_than_its_model_stays_calm(rig):
 
 def test_fused_estimate_is_nearer_to_the_marker_than_the_encoders():
     motion = circle(0.1, laps=0.2)
-    found = run("joint-low-speed", motion, camera=True, seed=3)
-    alone = run("joint-low-speed", motion, seed=3)
+    found = run("joint-ideal-low-speed", motion, camera=True, seed=3)
+    alone = run("joint-ideal-low-speed", motion, seed=3)
     assert found.fused <= 0.05e-3
     assert found.fused < 0.8 * alone.fused
 
 
-@pytest.mark.parametrize(("rig", "bound"), [("joint-ideal", 30e-6), ("joint-low-speed", 5e-6)])
+@pytest.mark.parametrize(
+    ("rig", "bound"), [("joint-ideal", 30e-6), ("joint-ideal-low-speed", 5e-6)]
+)
 def test_joint_holds_a_pose(rig, bound):
     found = run(rig, pose(20.0, 60.0), seed=1)
     assert np.sqrt(np.mean(np.square(found.pair_errors), axis=1)).max() <= bound
@@ -299,7 +301,9 @@ def test_joint_holds_a_pose(rig, bound):
 
 @pytest.mark.slow
 @seeds
-@pytest.mark.parametrize(("rig", "bound"), [("joint-ideal", 30e-6), ("joint-low-speed", 5e-6)])
+@pytest.mark.parametrize(
+    ("rig", "bound"), [("joint-ideal", 30e-6), ("joint-ideal-low-speed", 5e-6)]
+)
 @pytest.mark.parametrize("to", [(20.0, 0.0), (10.0, 130.0), (30.0, 250.0)])
 def test_joint_of_any_unit_holds_any_pose(rig, bound, to, seed):
     found = run(rig, pose(*to), seed=seed)
@@ -308,13 +312,13 @@ def test_joint_of_any_unit_holds_any_pose(rig, bound, to, seed):
 
 
 def test_wide_circle_at_60_degrees_keeps_every_wire_taut():
-    found = run("joint-low-speed", circle(0.2, laps=0.3, tilt=60.0))
+    found = run("joint-ideal-low-speed", circle(0.2, laps=0.3, tilt=60.0))
     assert found.wire <= 0.15e-3
     assert found.keeps_tensions()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rig", ["joint-ideal", "joint-low-speed"])
+@pytest.mark.parametrize("rig", ["joint-ideal", "joint-ideal-low-speed"])
 @pytest.mark.parametrize("tilt", [40.0, 60.0])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_wide_circle_of_any_unit_keeps_every_wire_taut(rig, tilt, seed):

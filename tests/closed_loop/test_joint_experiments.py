@@ -23,12 +23,22 @@ PROMISED = {
         "marker_rms": 0.35e-3,
         "fused_rms": 0.05e-3,
     },
-    "joint-circle-low-speed": {
+    "joint-ideal-circle-low-speed": {
         "wire_rms": 0.05e-3,
         "wire_rms_0.1hz": 0.05e-3,
         "wire_rms_0.5hz": 0.05e-3,
         "marker_rms": 0.15e-3,
         "fused_rms": 0.05e-3,
+    },
+    # On regulators that are sold, where standard seals come to 0.61 and 1.8 mm.
+    "joint-circle-low-speed": {
+        "wire_rms": 0.6e-3,
+        "wire_rms_0.1hz": 0.6e-3,
+        "wire_rms_0.5hz": 0.6e-3,
+        "marker_rms": 1.8e-3,
+        "marker_rms_0.2hz": 1.8e-3,
+        "marker_rms_0.5hz": 1.8e-3,
+        "fused_rms": 0.1e-3,
     },
     "joint-circle-camera": {
         "wire_rms": 0.11e-3,
@@ -83,7 +93,7 @@ def test_an_experiment_asks_for_what_was_promised(name):
 
 
 def test_a_lap_over_the_bus_keeps_its_bounds(tmp_path):
-    metrics = run(tmp_path, "joint-circle-low-speed", *SHORT)
+    metrics = run(tmp_path, "joint-ideal-circle-low-speed", *SHORT)
     assert all_passed(metrics), metrics
 
 
@@ -107,7 +117,7 @@ def test_the_papers_wire_and_pose_are_worse_the_further_the_ring_tilts(tmp_path,
                 tmp_path,
                 "joint-wide",
                 f"controllers.cascade.{setting}={value}",
-                "rig=joint-low-speed",
+                "rig=joint-ideal-low-speed",
                 backend=Backend.SIM,
             )
         }

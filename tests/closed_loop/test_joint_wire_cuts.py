@@ -12,7 +12,7 @@ from rig.experiment.run import run_experiment
 CONFIGS = Path(__file__).parents[2] / "configs"
 EXPERIMENTS = (
     "joint-ideal-circle",
-    "joint-circle-low-speed",
+    "joint-ideal-circle-low-speed",
     "joint-poses",
     "joint-poses-low-speed",
     "joint-range",
