@@ -1,5 +1,7 @@
 """Twists that are known beforehand, gone through by the law before anything moves."""
 
+import math
+
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import Dimensions, dimensions_of, forward, hand_twist
 from controllers.arm.on_direction.direction import moved_on
@@ -9,6 +11,7 @@ from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rivals import turned_into_base
 from controllers.arm.plan import ArmPlan, Sample, make_plan
 from controllers.arm.types import AT_REST, Twist, Vector
+from controllers.arm.vectors import turned
 from controllers.motion import InfeasibleMotion, check_length
 
 _STOPPING = 2.0
@@ -23,11 +26,33 @@ class HandItself:
         return position
 
 
-def asked_in_base(geometry: ArmGeometry, q: Six, twist: Six, frame: str) -> Six:
-    """Return a twist in the base's axes."""
+def asked_in_base(geometry: ArmGeometry, q: Six, twist: Six, frame: str, ahead: float = 0.0) -> Six:
+    """Return a twist in the base's axes.
+
+    Parameters
+    ----------
+    geometry : ArmGeometry
+        The arm.
+    q : tuple of float
+        Joints now, rad.
+    twist : tuple of float
+        Velocity and angular velocity, m/s and rad/s.
+    frame : str
+        ``base``, or ``tool``: in the tool's axes.
+    ahead : float
+        For how long the tool will have done the twist when it is in the middle of its way, s: the
+        tool's axes are meant as they are then. A screw is followed with straight steps so.
+    """
     if frame == "base":
         return twist
-    return turned_into_base(forward(dimensions_of(geometry), q).rotation, twist)
+    rotation = forward(dimensions_of(geometry), q).rotation
+    vx, vy, vz, wx, wy, wz = turned_into_base(rotation, twist)
+    rate = math.hypot(wx, wy, wz)
+    if rate * ahead == 0.0:
+        return vx, vy, vz, wx, wy, wz
+    axis = (wx / rate, wy / rate, wz / rate)
+    (vx, *_), (vy, *_), (vz, *_) = turned(axis, rate * ahead, ((vx, 0, 0), (vy, 0, 0), (vz, 0, 0)))
+    return vx, vy, vz, wx, wy, wz
 
 
 def twist_within(arm: Dimensions, q: Six, rates: Six, period: float) -> tuple[float, ...]:
@@ -59,10 +84,11 @@ def rehearse(
     """
     end = rows[-1][0]
     check_length(end, longest)
-    arm, samples = dimensions_of(geometry), list[Sample]()
+    arm, samples, b = dimensions_of(geometry), list[Sample](), 0.0
     while True:
         t = len(samples) * period
-        asked = asked_in_base(geometry, follower.positions, twist_at(rows, t), frame)
+        half = 0.5 * period * b
+        asked = asked_in_base(geometry, follower.positions, twist_at(rows, t), frame, half)
         q, rates = follower.step(asked)
         b = share_of(asked, twist_within(arm, q, rates, period))
         samples.append(Sample(q, rates, b, b, Twist(asked[:3], asked[3:])))

@@ -34,8 +34,8 @@ class KnownTwists(PlannedArmMotion):
     @classmethod
     def facts_from(cls, plan: ArmPlan, geometry: ArmGeometry, asked: object) -> dict[str, Fact]:
         """Return what is known of it beforehand."""
-        del asked
-        return facts_of_twists(plan, geometry)
+        assert isinstance(asked, ArmTwists)
+        return facts_of_twists(plan, geometry, asked)
 
 
 class HeardTwists(Motion[ArmReference]):

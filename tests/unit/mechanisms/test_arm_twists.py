@@ -304,7 +304,8 @@ def test_a_twist_that_is_none_but_for_rounding_has_facts_that_are_numbers(speed)
     law = Esc(EscSettings(), ArmGeometry(), PERIOD)
     law.longest = 10.0
     geometry = ArmGeometry()
-    facts = facts_of_twists(law.prepare_twists(TwistRows(rows=rows)), geometry)
+    twists = TwistRows(rows=rows)
+    facts = facts_of_twists(law.prepare_twists(twists), geometry, twists)
     assert facts["off_direction"].value < 1e-9
     assert not any(math.isnan(fact.value) for fact in facts.values())
 
