@@ -135,7 +135,7 @@ def reachable(
     Raises
     ------
     OutOfReach
-        It is reached on none.
+        It is reached on none; of all refusals that of the branch that is nearest to it.
     """
     found: list[Joints] = []
     refused: OutOfReach | None = None
@@ -143,7 +143,7 @@ def reachable(
         try:
             found.append(inverse(arm, pose, branch, near))
         except OutOfReach as error:
-            refused = refused or error
+            refused = error if refused is None or error.beyond < refused.beyond else refused
     if refused is not None and not found:
         raise refused
     return found

@@ -1,11 +1,13 @@
 """Arms from URDFs and Denavit-Hartenberg tables, held against kinematics that are not ours."""
 
 import math
+import re
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+import yaml
 from drawn_arms import away, draw_arm, draw_lengths, posture_of, universal_robot, urdf_of
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, inverse
@@ -18,6 +20,7 @@ from controllers.arm.kinematics import (
 from rig.hal import ConfigurationError
 from rig.mechanisms.arm.drawing.chain import DrawingError
 from rig.mechanisms.arm.drawing.denavit_hartenberg import read_dh
+from rig.mechanisms.arm.drawing.profile import of_urdf
 from rig.mechanisms.arm.drawing.spherical_wrist import recognise
 from rig.mechanisms.arm.drawing.urdf import read_urdf
 
@@ -264,3 +267,28 @@ def test_a_tool_beside_the_last_axis_is_refused_with_the_distance(tmp_path):
     file.write_text(urdf_of(arm, rng))
     with pytest.raises(DrawingError, match=r"tool is 12 mm beside the axis of axis 6"):
         recognise(read_urdf(file))
+
+
+def spun(rng, ranges, speed=3.0):
+    """Return the text of a URDF whose joints have these ranges (rad) and a speed."""
+    text = urdf_of(draw_arm(rng, draw_lengths(rng), np.zeros(6)), rng, ranges)
+    return re.sub(r"velocity=\"[^\"]*\"", f'velocity="{speed}"', text)
+
+
+def test_a_range_that_no_cable_bears_is_that_of_a_joint_without_end(tmp_path):
+    rng = np.random.default_rng(5)
+    file = tmp_path / "vast.urdf"
+    file.write_text(spun(rng, [(-1000.0, 1000.0), *[(-1.5, 1.5)] * 4, (-1e308, 1e308)]))
+    made = of_urdf("vast", file, None)
+    limits = yaml.safe_load(made.text)["arm"]["geometry"]
+    for k in (0, 5):
+        assert (limits["position_min"][k], limits["position_max"][k]) == ("-360 deg", "360 deg")
+    assert any("turn without end: two turns are their range" in note for note in made.notes)
+
+
+@pytest.mark.parametrize(("speed", "behind"), [(3.0, 0.15), (15.0, 0.3)])
+def test_fast_joints_may_be_farther_behind(tmp_path, speed, behind):
+    file = tmp_path / "fast.urdf"
+    file.write_text(spun(np.random.default_rng(6), [(-1.5, 1.5)] * 6, speed))
+    limits = yaml.safe_load(of_urdf("fast", file, None).text)["arm"]["limits"]
+    assert limits["following"] == f"{behind} rad"

@@ -10,11 +10,16 @@ import numpy as np
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward
 from rig.hal.drawn_profile import DrawnProfile
-from rig.mechanisms.arm.drawing.chain import Chain, DrawingError
+from rig.mechanisms.arm.drawing.chain import Chain, DrawingError, DrawnJoint
 from rig.mechanisms.arm.drawing.spherical_wrist import Drawing, recognise
 
 _USUAL: Final = ArmGeometry()
 _WHOLE: Final = 2.0 * math.pi
+_ENDLESS: Final = 100.0
+"""Range of a joint that turns without end, rad: 16 turns."""
+_FOLLOWING: Final = (0.15, 0.02)
+"""By what a joint may be behind: as on the profile `arm` (rad), or what a fast one goes in 20 ms,
+which is twice what the simulated drives lag by at a steady rate (s)."""
 _POSES: Final = 200
 _FARTHEST_OFF: Final = 1e-4
 """m: a hand that is so far off is no rounding of the description."""
@@ -89,10 +94,15 @@ def _furthest_off(chain: Chain, drawing: Drawing) -> float:
 
 def _range_of(chain: Chain, drawing: Drawing, k: int) -> tuple[float, float]:
     joint, sign, zero = chain.joints[k], drawing.signs[k], drawing.zeros[k]
-    if not (math.isfinite(joint.lower) and math.isfinite(joint.upper)):
+    if _is_endless(joint):
         return -_WHOLE, _WHOLE
     ends = sorted((sign * joint.lower + zero, sign * joint.upper + zero))
     return ends[0], ends[1]
+
+
+def _is_endless(joint: DrawnJoint) -> bool:
+    """Return whether a joint turns on and on, or is said to by a range that no cable bears."""
+    return not joint.upper - joint.lower <= _ENDLESS
 
 
 def _head(name: str, chain: Chain, drawing: Drawing) -> list[str]:
@@ -163,6 +173,8 @@ def _arm(
     drawing: Drawing, ranges: Sequence[tuple[float, float]], rates: Sequence[float]
 ) -> list[str]:
     hardest = [_HARDER * rate for rate in rates]
+    least, time = _FOLLOWING
+    behind = max(least, time * max(rates))
     rows = [
         *((key, f"{_number(1e3 * value, 9)} mm") for key, value in drawing.lengths.items()),
         ("wrist_sign", "1"),
@@ -173,7 +185,8 @@ def _arm(
     ]
     return [
         "arm:",
-        f"  limits: {{acceleration: {_short(min(hardest))} rad/s^2}}",
+        f"  limits: {{acceleration: {_short(min(hardest))} rad/s^2, "
+        f"following: {_short(behind)} rad}}",
         "  geometry:",
         *(f"    {key}: {value}" for key, value in rows),
         "",
@@ -213,7 +226,7 @@ def _within(value: float, low: float, high: float) -> float:
 
 def _notes(chain: Chain, off: float) -> list[str]:
     quiet = [joint.name for joint in chain.joints if joint.speed is None]
-    endless = [joint.name for joint in chain.joints if not math.isfinite(joint.lower)]
+    endless = [joint.name for joint in chain.joints if _is_endless(joint)]
     near = "within a nanometre of" if off < 1e-9 else f"at most {1e6 * off:.2g} µm from"
     notes = [
         f"in {_POSES} drawn poses the hand is {near} where the description has it",

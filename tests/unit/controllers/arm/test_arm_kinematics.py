@@ -14,6 +14,7 @@ from controllers.arm.inverse import (
     OutOfReach,
     branch_of,
     inverse,
+    reachable,
 )
 from controllers.arm.kinematics import (
     dimensions_of,
@@ -85,6 +86,30 @@ def test_wrist_centre_moves_as_equation_1_says():
         np.testing.assert_allclose(
             wrist_velocity(arm, v[:3], v[3:], axis), at_wrist[:3], atol=1e-14
         )
+
+
+def test_out_of_reach_on_all_branches_is_told_of_the_nearest():
+    """Of an arm with a1 one shoulder reaches farther: what is left there is left last."""
+    arm = dimensions_of(GEOMETRIES["shoulder ahead"])
+    q = (0.4, 1.2, 0.2, 0.2, 0.7, 0.1)
+    pose = forward(arm, q)
+    out = np.array((math.cos(0.4), math.sin(0.4), 0.0))
+    for step in np.linspace(0.0, 1.0, 200):  # outwards until no branch reaches it
+        place = tuple((np.array(pose.position) + step * out).tolist())
+        moved = pose._replace(position=place)
+        beyond = {}
+        for branch in BRANCHES:
+            try:
+                inverse(arm, moved, branch, q)
+            except OutOfReach as error:
+                beyond[branch] = error.beyond
+        if len(beyond) == len(BRANCHES):
+            break
+    for branches in (BRANCHES, BRANCHES[::-1]):
+        with pytest.raises(OutOfReach) as refused:
+            reachable(arm, moved, branches, q)
+        assert refused.value.beyond == min(beyond.values())
+    assert min(beyond.values()) < 0.01 < max(beyond.values())
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES.values(), ids=GEOMETRIES)
