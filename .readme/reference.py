@@ -15,7 +15,7 @@ from rig.explaining.glossary import PARTS, Word, glossary
 PAGE = Path(__file__).with_name("reference.md")
 _ORDER = (
     "exit code", "experiment key", "profile key", "sweep key", "fault scenario key",
-    *PARTS, "control law", "measure", "figure",
+    *PARTS, "control law", "measure", "planned measure", "figure",
 )  # fmt: skip
 _TITLES = {
     "exit code": "Exit codes",
@@ -30,6 +30,7 @@ _TITLES = {
     "protocol": "Protocols: `buses.NAME.protocol`",
     "control law": "Control laws",
     "measure": "Measures",
+    "planned measure": "Planned measures: known before anything moves",
     "figure": "Figures",
 }
 _INTRODUCTION = """\

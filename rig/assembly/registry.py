@@ -38,6 +38,7 @@ from rig.hal.controller import Law
 from rig.hal.drawn_profile import Draw
 from rig.hal.driver import BusSettings
 from rig.hal.hazards import Hazard
+from rig.hal.motion import FactKind
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 from rig.hal.plant import PhysicsSettings
 from rig.hal.scene import Scene
@@ -222,6 +223,16 @@ class InstalledParts:
         """Return the names of one mechanism's measures."""
         rows = additions_to(mechanism)
         return tuple(name for row in rows for path in row.measures for name in load(path))
+
+    def facts(self, mechanism: str) -> Sequence[tuple[str, FactKind]]:
+        """Return the names of what one mechanism's motions know beforehand, each with its kind."""
+        rows = additions_to(mechanism)
+        tables = [(path, load(path)) for row in rows for path in row.facts]
+        return [
+            (name, check_kind(f"fact: {path}", kind, FactKind))
+            for path, table in tables
+            for name, kind in table.items()
+        ]
 
     def reported(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of the measures that every run of a mechanism reports."""

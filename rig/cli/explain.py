@@ -141,7 +141,7 @@ def _metric(word: str, words: Sequence[Word]) -> list[Word]:
     base = word
     while "_" in base:
         base = base.rpartition("_")[0]
-        found = [w for w in words if w.name == base and w.kind == "measure"]
+        found = [w for w in words if w.name == base and w.kind.endswith("measure")]
         if found:
             part = word.removeprefix(f"{base}_")
             return [

@@ -15,7 +15,8 @@ from rig.explaining.exit_codes import EXIT_CODES
 
 Schema = Mapping[str, object]
 
-PROFILE, EXPERIMENT, MEASURE = "profile key", "experiment key", "measure"
+PROFILE, EXPERIMENT = "profile key", "experiment key"
+MEASURE, FACT = "measure", "planned measure"
 SWEEP, SCENARIO = "sweep key", "fault scenario key"
 LAW, FIGURE, EXIT_CODE = "control law", "figure", "exit code"
 PARTS: Mapping[str, tuple[Kind, str]] = {
@@ -69,7 +70,7 @@ def glossary() -> tuple[Word, ...]:
 
 def without_keys() -> tuple[Word, ...]:
     """Return the words that are no keys of files: those need the schemas of every part, 2 s."""
-    return (*_laws(), *_measures(), *_figures(), *exit_codes())
+    return (*_laws(), *_measures(), *_facts(), *_figures(), *exit_codes())
 
 
 def exit_codes() -> Iterator[Word]:
@@ -109,6 +110,13 @@ def _measures() -> Iterator[Word]:
             measure = measures[name]
             unit = f", {measure.unit}" if measure.unit else ""
             yield Word(name, MEASURE, mechanism, f"{measure.description}{unit}")
+
+
+def _facts() -> Iterator[Word]:
+    for mechanism in REGISTRY.imported("mechanism"):
+        for name, kind in dict.fromkeys(REGISTRY.facts(mechanism)):  # alike of several motions
+            unit = f", {kind.unit}" if kind.unit else ""
+            yield Word(name, FACT, mechanism, f"{kind.description}{unit}")
 
 
 def _figures() -> Iterator[Word]:

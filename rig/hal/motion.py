@@ -44,6 +44,18 @@ class Fact(NamedTuple):
     description: str
 
 
+class FactKind(NamedTuple):
+    """What a fact is, whatever the motion: its unit and description, as `Fact` has them."""
+
+    unit: str
+    description: str
+
+
+def facts_of(kinds: Mapping[str, FactKind], values: Mapping[str, float]) -> dict[str, Fact]:
+    """Return numbers (SI) with what they are."""
+    return {name: Fact(float(value), *kinds[name]) for name, value in values.items()}
+
+
 class Note(NamedTuple):
     """Something that a motion wants written among the run's events: its kind, and a sentence."""
 

@@ -56,6 +56,8 @@ class Additions:
         By the name that profiles use.
     measures : tuple of Path
         Mappings of names to `rig.experiment.measure.Measure`.
+    facts : tuple of Path
+        Mappings of names to `rig.hal.motion.FactKind`: what motions know of themselves beforehand.
     figures : tuple of Path
         Mappings of names to `rig.report.figure.FigureKind`.
     comparisons : tuple of Path
@@ -72,6 +74,7 @@ class Additions:
     references: Mapping[str, Path] = field(default_factory=dict)
     plants: Mapping[str, PlantModel] = field(default_factory=dict)
     measures: tuple[Path, ...] = ()
+    facts: tuple[Path, ...] = ()
     figures: tuple[Path, ...] = ()
     comparisons: tuple[Path, ...] = ()
     procedures: tuple[Path, ...] = ()

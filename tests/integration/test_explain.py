@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 import rig
 from rig.assembly import REGISTRY
@@ -33,6 +34,16 @@ def test_every_key_measure_and_law_has_a_meaning():
     assert [word for word in words if len(word.text) < 2] == []
     names = {word.name for word in words if word.kind == "measure"}
     assert names == set(REGISTRY.measures(None, object))
+
+
+def test_every_metric_of_every_experiment_is_explained():
+    words = {word.name for word in without_keys() if word.kind.endswith("measure")}
+    asked = {}
+    for path in sorted((ROOT / "configs" / "experiments").glob("*.yaml")):
+        metrics = yaml.safe_load(path.read_text()).get("metrics", {})
+        asked |= {(spec or {}).get("measure", name): path.name for name, spec in metrics.items()}
+    assert len(asked) > 80
+    assert {name: of for name, of in asked.items() if name not in words} == {}
 
 
 def test_no_measure_or_law_hides_a_key_of_the_same_name():

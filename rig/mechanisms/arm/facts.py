@@ -14,12 +14,8 @@ from controllers.arm.plan import ArmPlan
 from controllers.arm.pose_path import PosePath
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.motion import InfeasibleMotion
-from rig.hal.motion import Fact
-
-INDICES = (("shoulder", "m"), ("elbow", ""), ("wrist", ""))
-"""Singularity indices c, S3 and S5: names and units."""
-OUTCOMES = ("done", "halts", "stalls")
-"""How a law's motion ends; a fact gives the place in this list."""
+from rig.hal.motion import Fact, facts_of
+from rig.mechanisms.arm.fact_kinds import INDICES, OUTCOMES, PATH_FACTS
 
 
 def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, Fact]:
@@ -33,67 +29,47 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
     facts = {
         **_shares(plan, geometry),
         **_torques(plan, geometry, path),
-        "time_end": Fact(plan.duration, "s", "duration of the motion"),
-        "time_optimum": Fact(optimum, "s", "least time under the joints' rate limits alone"),
-        "time_over_optimum": Fact(
-            plan.duration / optimum if done else math.inf, "", "duration over the least one"
-        ),
-        "time_crossing": Fact(
-            crossings[0] if crossings else math.inf, "s", "first pass through the elbow's"
-        ),
-        "dwell_time": Fact(
-            region[1] - region[0] if len(region) > 1 else math.inf, "s", "time in the region"
-        ),
-        "outcome": Fact(float(OUTCOMES.index(plan.outcome)), "", f"0, 1, 2: {', '.join(OUTCOMES)}"),
-        "completes": Fact(float(done), "", "1 if the law gets to the path's end"),
-        "path_deviation": Fact(plan.path_deviation, "m", "greatest distance from the path"),
-        "twist_residual": Fact(plan.twist_residual, "", "greatest entry of J q' - (b v, b² w)"),
-        "return_error": Fact(
-            return_error(plan.positions[0], plan.positions[-1]),
-            "rad",
-            "joints at the end from those at the start, whole turns apart",
-        ),
-        "elbow_sign_changes": Fact(float(len(crossings)), "", "passes through the elbow's"),
-        "closest_boundary": Fact(
-            0.0 if crossings else float(np.abs(plan.inside).min()),
-            "m",
-            "least distance of the wrist from the workspace's boundary",
-        ),
-        "peak_rate_arm": Fact(float(rates[:3].max()), "rad/s", "greatest rate of q1 to q3"),
-        "peak_rate_wrist": Fact(float(rates[3:].max()), "rad/s", "greatest rate of q4 to q6"),
-        "peak_acceleration_arm": Fact(
-            float(accelerations[:3].max()), "rad/s^2", "greatest acceleration of q1 to q3"
-        ),
-        "peak_acceleration": Fact(float(accelerations.max()), "rad/s^2", "of any joint"),
+        "time_end": plan.duration,
+        "time_optimum": optimum,
+        "time_over_optimum": plan.duration / optimum if done else math.inf,
+        "time_crossing": crossings[0] if crossings else math.inf,
+        "dwell_time": region[1] - region[0] if len(region) > 1 else math.inf,
+        "outcome": float(OUTCOMES.index(plan.outcome)),
+        "completes": float(done),
+        "path_deviation": plan.path_deviation,
+        "twist_residual": plan.twist_residual,
+        "return_error": return_error(plan.positions[0], plan.positions[-1]),
+        "elbow_sign_changes": float(len(crossings)),
+        "closest_boundary": 0.0 if crossings else float(np.abs(plan.inside).min()),
+        "peak_rate_arm": float(rates[:3].max()),
+        "peak_rate_wrist": float(rates[3:].max()),
+        "peak_acceleration_arm": float(accelerations[:3].max()),
+        "peak_acceleration": float(accelerations.max()),
     }
     for name, rate in zip(AXIS_NAMES, rates, strict=True):
-        facts[f"peak_rate_{name}"] = Fact(float(rate), "rad/s", f"greatest rate of {name}")
-    for (name, unit), values in zip(INDICES, plan.indices.T, strict=True):
+        facts[f"peak_rate_{name}"] = float(rate)
+    for (name, _), values in zip(INDICES, plan.indices.T, strict=True):
         crosses = bool(np.any(values[:-1] * values[1:] < 0.0))
         closest = 0.0 if crosses else float(np.abs(values).min())
-        facts[f"closest_{name}"] = Fact(closest, unit, f"least index of the {name}")
-        facts[f"crosses_{name}"] = Fact(float(crosses), "", f"1 if it crosses the {name}'s")
-    return facts
+        facts[f"closest_{name}"] = closest
+        facts[f"crosses_{name}"] = float(crosses)
+    return facts_of(PATH_FACTS, facts)
 
 
-def _shares(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, Fact]:
+def _shares(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, float]:
     """Return what is asked of the joints in shares of their limits: alike for every arm."""
     rates = plan.peak_rates / np.array(geometry.rate_limits)
     hardest = plan.peak_accelerations / np.array(geometry.acceleration_limits)
     return {
-        "peak_rate_share": Fact(float(rates.max()), "", "greatest rate over its limit"),
-        "peak_acceleration_share": Fact(
-            float(hardest.max()), "", "greatest acceleration over its limit, on the way"
-        ),
-        "end_acceleration_share": Fact(
-            float((plan.end_accelerations / np.array(geometry.acceleration_limits)).max()),
-            "",
-            "the same of the start and the stop: above 1 they are steps of the speed",
+        "peak_rate_share": float(rates.max()),
+        "peak_acceleration_share": float(hardest.max()),
+        "end_acceleration_share": float(
+            (plan.end_accelerations / np.array(geometry.acceleration_limits)).max()
         ),
     }
 
 
-def _torques(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, Fact]:
+def _torques(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, float]:
     """Return what is asked of the drives, if the profile says their limits and the masses."""
     if geometry.dynamics is None:
         return {}
@@ -102,9 +78,9 @@ def _torques(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, Fa
     needed = np.abs(torques_of_plan(torques, plan)).max(axis=0, initial=0.0)
     share = float((needed / torques.limits).max())
     return {
-        "peak_torque_share": Fact(share, "", "greatest torque foreseen over its limit"),
+        "peak_torque_share": share,
         **{
-            f"peak_torque_{name}": Fact(float(torque), "N m", f"greatest torque foreseen of {name}")
+            f"peak_torque_{name}": float(torque)
             for name, torque in zip(AXIS_NAMES, needed, strict=True)
         },
     }

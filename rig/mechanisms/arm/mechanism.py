@@ -20,7 +20,7 @@ from controllers.slowed_law import SlowedLaw
 from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Motion
-from rig.mechanisms.arm.facts import INDICES
+from rig.mechanisms.arm.fact_kinds import INDICES
 from rig.mechanisms.arm.live_row import commanded_row
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.settings import ArmSettings

@@ -37,6 +37,7 @@ PARTS = MechanismParts(
             "drivers.sim.hazards:arm_hazards",
         )
     },
+    facts=(f"{_HERE}.fact_kinds:PATH_FACTS", f"{_HERE}.fact_kinds:TWIST_FACTS"),
     measures=(f"{_HERE}.measures:ARM_MEASURES",),
     figures=(f"{_HERE}.figures:ARM_FIGURES",),
     comparisons=(

@@ -5,8 +5,8 @@ import numpy as np
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.plan import ArmPlan
-from rig.hal.motion import Fact
-from rig.mechanisms.arm.facts import INDICES
+from rig.hal.motion import Fact, facts_of
+from rig.mechanisms.arm.fact_kinds import INDICES, TWIST_FACTS
 from rig.mechanisms.arm.twist_lines import off_direction
 
 _STANDS = 1e-3
@@ -28,31 +28,24 @@ def facts_of_twists(plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> d
     way = float(np.linalg.norm(np.diff(plan.hand, axis=0), axis=1).sum())
     along = float((share * speed)[told].sum()) * plan.period
     facts = {
-        "time_end": Fact(plan.duration, "s", "until the hand is at rest after the last twist"),
-        "off_direction": Fact(away, "m", "greatest way of the hand off a twist's line"),
-        "turned_off": Fact(turned, "rad", "greatest turn of the tool beside that of a twist"),
-        "lag": Fact(
-            float((1.0 - share).sum()) * plan.period, "s", "what the hand is late by at the end"
-        ),
-        "standing_share": Fact(
-            float((share < _STANDS).sum()) / max(int(told.sum()), 1), "",
-            "share of the time with a twist in which the hand stands",
-        ),
-        "distance_asked": Fact(whole, "m", "way of the hand that the twists ask for"),
-        "distance": Fact(way, "m", "way of the hand"),
-        "distance_share": Fact(along / whole if whole else 1.0, "", "of it along the twists"),
-        "peak_rate_share": Fact(float((rates / limits).max()), "", "greatest rate over its limit"),
-        "peak_acceleration_share": Fact(over, "", "greatest acceleration over its limit"),
-        "rate_jump": Fact(jump, "", "greatest change of a rate within 1 ms over its limit"),
-        "peak_rate_arm": Fact(float(rates[:3].max()), "rad/s", "greatest rate of q1 to q3"),
-        "peak_rate_wrist": Fact(float(rates[3:].max()), "rad/s", "greatest rate of q4 to q6"),
-        "peak_acceleration": Fact(float(accelerations.max()), "rad/s^2", "of any joint"),
-        "elbow_sign_changes": Fact(float(len(plan.crossings)), "", "passes through the elbow's"),
+        "time_end": plan.duration,
+        "off_direction": away,
+        "turned_off": turned,
+        "lag": float((1.0 - share).sum()) * plan.period,
+        "standing_share": float((share < _STANDS).sum()) / max(int(told.sum()), 1),
+        "distance_asked": whole,
+        "distance": way,
+        "distance_share": along / whole if whole else 1.0,
+        "peak_rate_share": float((rates / limits).max()),
+        "peak_acceleration_share": over,
+        "rate_jump": jump,
+        "peak_rate_arm": float(rates[:3].max()),
+        "peak_rate_wrist": float(rates[3:].max()),
+        "peak_acceleration": float(accelerations.max()),
+        "elbow_sign_changes": float(len(plan.crossings)),
     }  # fmt: skip
     for name, rate in zip(AXIS_NAMES, rates, strict=True):
-        facts[f"peak_rate_{name}"] = Fact(float(rate), "rad/s", f"greatest rate of {name}")
-    for (name, unit), values in zip(INDICES, plan.indices.T, strict=True):
-        facts[f"closest_{name}"] = Fact(
-            float(np.abs(values).min()), unit, f"least index of the {name}"
-        )
-    return facts
+        facts[f"peak_rate_{name}"] = float(rate)
+    for (name, _), values in zip(INDICES, plan.indices.T, strict=True):
+        facts[f"closest_{name}"] = float(np.abs(values).min())
+    return facts_of(TWIST_FACTS, facts)

@@ -40,6 +40,7 @@ PARTS = MechanismParts(
             ("valve-joint", "ValveJointSettings", "ValveJointPlant"),
         )
     },
+    facts=(f"{_HERE}.fact_kinds:JOINT_FACTS",),
     measures=(
         f"{_HERE}.measures.tracking:JOINT_MEASURES",
         f"{_HERE}.measures.camera:CAMERA_MEASURES",

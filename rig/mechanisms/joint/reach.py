@@ -17,15 +17,14 @@ from controllers.spherical_joint.poses import (
     twist_of,
 )
 from controllers.spherical_joint.tension import TensionDistribution
-from rig.hal.motion import Fact
+from rig.hal.motion import Fact, facts_of
+from rig.mechanisms.joint.fact_kinds import JOINT_FACTS, TOLD
 from rig.mechanisms.joint.settings import JointSettings
 
 _SECTORS = 48
 """Directions in which the greatest tilt is looked for, once round."""
 _HALVINGS = 10
 """Of the range in which it must be."""
-_TOLD = (20.0, 40.0, 60.0)
-"""Tilts for which the paper's errors are told, degrees."""
 
 
 class PoseFacts(NamedTuple):
@@ -91,31 +90,22 @@ class JointReach:
         round_about = [math.tau * k / _SECTORS for k in range(_SECTORS)]
         reaches = [self._reach(azimuth) for azimuth in round_about]
         facts = {
-            "reachable_tilt": Fact(min(reaches), "rad", "tilt that is reached in every direction"),
-            "reachable_tilt_best": Fact(max(reaches), "rad", "the same in the best direction"),
+            "reachable_tilt": min(reaches),
+            "reachable_tilt_best": max(reaches),
         }
-        for degrees in _TOLD:
+        for degrees in TOLD:
             tilt = math.radians(degrees)
             if tilt >= self._highest:
                 continue
             circle = [axis_from_tilt(tilt, azimuth) for azimuth in round_about]
-            facts[f"paper_wire_error_{degrees:g}deg"] = Fact(
-                max(self.paper_error(axis) for axis in circle),
-                "m",
-                f"greatest error of the paper's wires at {degrees:g} deg of tilt",
+            facts[f"paper_wire_error_{degrees:g}deg"] = max(
+                self.paper_error(axis) for axis in circle
             )
-            facts[f"paper_pose_gap_{degrees:g}deg"] = Fact(
-                max(self.pose_gap(axis) for axis in circle),
-                "m",
-                f"greatest difference of a wire between the paper's pose and the natural one at "
-                f"{degrees:g} deg",
+            facts[f"paper_pose_gap_{degrees:g}deg"] = max(self.pose_gap(axis) for axis in circle)
+            facts[f"paper_twist_{degrees:g}deg"] = max(
+                abs(twist_of(paper_rotation(axis))) for axis in circle
             )
-            facts[f"paper_twist_{degrees:g}deg"] = Fact(
-                max(abs(twist_of(paper_rotation(axis))) for axis in circle),
-                "rad",
-                f"greatest twist of the paper's pose at {degrees:g} deg of tilt",
-            )
-        return facts
+        return facts_of(JOINT_FACTS, facts)
 
     def _reach(self, azimuth: float) -> float:
         sector = round(azimuth / math.tau * _SECTORS) % _SECTORS

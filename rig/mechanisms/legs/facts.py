@@ -14,7 +14,8 @@ from controllers.gait.leg_postures import leg_posture, rotations
 from controllers.gait.pieces import in_pieces
 from controllers.gait.plan import GaitPlan
 from controllers.gait.time_laws import LimitedNormPace
-from rig.hal.motion import Fact
+from rig.hal.motion import Fact, facts_of
+from rig.mechanisms.legs.fact_kinds import LEGS_FACTS
 
 Array = NDArray[np.float64]
 
@@ -47,48 +48,31 @@ def plan_facts(
     torque = _standing_knee_torque(plan)
     saved = _standing_knee_torque(flat) - torque if flat is not None else 0.0
     windows = plan.near_singular_windows
-    return {
-        "plan_duration": Fact(plan.duration, "s", "how long the motion takes"),
-        "peak_knee_rate": Fact(fine.peak_knee_rate, "rad/s", "greatest knee rate, at 1 kHz"),
-        "peak_norm_rate": Fact(fine.peak_norm, "rad/s", "greatest norm of the joint rates"),
-        "rate_jump": Fact(fine.greatest_jump, "rad/s", "greatest jump of a rate in 1 ms"),
-        "advance": Fact(plan.advance, "m", "how far the planned joints carry the waist"),
-        "advance_lost": Fact(
-            abs(distance - plan.advance), "m", "by how much that is not what was asked for"
+    values = {
+        "plan_duration": plan.duration,
+        "peak_knee_rate": fine.peak_knee_rate,
+        "peak_norm_rate": fine.peak_norm,
+        "rate_jump": fine.greatest_jump,
+        "advance": plan.advance,
+        "advance_lost": abs(distance - plan.advance),
+        "path_deviation": max(plan.off_path, fine.off_path),
+        "tilt": _tilt(fine),
+        "leg_mismatch": max(plan.mismatch(), fine.mismatch()),
+        "leg_mismatch_quantised": plan.mismatch(_RESOLUTION),
+        "min_knee": float(fine.q[:, list(KNEES)].min()),
+        "start_knee": float(fine.q[0, list(KNEES)].max()),
+        "static_margin": plan.static_margin,
+        "balance_margin": plan.margin,
+        "near_singular_windows": float(len(windows)),
+        "near_singular_astray": float(_astray(plan)),
+        "least_unraised_reach": min(reached),
+        "most_unraised_reach": max(
+            (share for share in reached if share < 1.0 - _ROUNDING), default=1.0
         ),
-        "path_deviation": Fact(
-            max(plan.off_path, fine.off_path), "m", "how far the joints leave the path"
-        ),
-        "tilt": Fact(_tilt(fine), "rad", "how far a sole turns out of the horizontal or aside"),
-        "leg_mismatch": Fact(
-            max(plan.mismatch(), fine.mismatch()), "m", "disagreement of the legs on the waist"
-        ),
-        "leg_mismatch_quantised": Fact(
-            plan.mismatch(_RESOLUTION), "m", "the same at 209 pulses per degree"
-        ),
-        "min_knee": Fact(float(fine.q[:, list(KNEES)].min()), "rad", "the straightest knee"),
-        "start_knee": Fact(
-            float(fine.q[0, list(KNEES)].max()), "rad", "the more bent knee at the start"
-        ),
-        "static_margin": Fact(plan.static_margin, "m", "centre of mass inside the support"),
-        "balance_margin": Fact(plan.margin, "m", "centre of mass and zero-moment point"),
-        "near_singular_windows": Fact(float(len(windows)), "", "stretches with a knee below 5 deg"),
-        "near_singular_astray": Fact(
-            float(_astray(plan)), "", "such stretches that are at no landing or arrival"
-        ),
-        "least_unraised_reach": Fact(
-            min(reached), "", "share of its path that a phase does under sc without raised speed"
-        ),
-        "most_unraised_reach": Fact(
-            max((share for share in reached if share < 1.0 - _ROUNDING), default=1.0),
-            "",
-            "the same of the phase that is cut least",
-        ),
-        "standing_knee_torque": Fact(
-            torque, "N m", "mean torque at rest of the knee that stands alone"
-        ),
-        "knee_torque_saved": Fact(saved, "N m", "how much less that is than at constant height"),
+        "standing_knee_torque": torque,
+        "knee_torque_saved": saved,
     }
+    return facts_of(LEGS_FACTS, values)
 
 
 def _unraised_reaches(plan: GaitPlan) -> list[float]:

@@ -34,6 +34,7 @@ PARTS = MechanismParts(
             "drivers.sim.hazards:legs_hazards",
         )
     },
+    facts=(f"{_HERE}.fact_kinds:LEGS_FACTS",),
     measures=(f"{_HERE}.measures:LEGS_MEASURES",),
     figures=(f"{_HERE}.figures.gait:LEGS_FIGURES",),
     comparisons=(f"{_HERE}.comparison:LEGS_COMPARISON",),
