@@ -45,7 +45,7 @@ class Fact(NamedTuple):
 
 
 class FactKind(NamedTuple):
-    """What a fact is, whatever the motion: its unit and description, as `Fact` has them."""
+    """Unit and description of a fact, whatever the motion."""
 
     unit: str
     description: str
