@@ -32,6 +32,8 @@ from controllers.motion import InfeasibleMotion
 
 _NEAR_ANOTHER = 0.02
 """Sine of q5, or c in m: a circle that passes a second singularity nearer is not integrated."""
+_KINDS = {"PoseTrajectory": "one through given places", "TurnTrajectory": "a turn"}
+"""What people call a path of a class that not all laws plan."""
 _NEAR = 1e-4
 """s, to either side of an instant at which a slope is wanted."""
 
@@ -221,8 +223,9 @@ def integrated_motion(
 
 def unknown_path(law: str, trajectory: Trajectory) -> InfeasibleMotion:
     """Return the refusal of a path of another kind."""
+    what = _KINDS.get(type(trajectory).__name__, "this path")
     return InfeasibleMotion(
-        f"{law} plans lines and circles through a singularity, not a {type(trajectory).__name__}; "
-        "inverse, dls and servo-halt follow any path, esc a turn as well, and look-ahead a turn "
-        "and one through given places."
+        f"{law} plans lines and circles through a singularity, and not {what}; inverse, "
+        "dls and servo-halt follow any path, esc a turn as well, and look-ahead a turn and one "
+        "through given places."
     )
