@@ -26,13 +26,17 @@ DRAWN = {
 }
 """By procedure, with the rig's name before it if it is not the cylinder's."""
 
+LOW_SPEED = ("joint-ideal-low-speed friction", "joint-low-speed friction")
+DRAWN_OF_A_FEW = dict.fromkeys(LOW_SPEED, DRAWN["joint friction"])
+"""Of what is calibrated a few times alone: bounds that are shares make its intervals wide."""
+
 DRAWN_FOR = {"joint friction": truth_of_joint_friction.drawn_for}
 """What is drawn anew for each profile and seed."""
 
 
 def calibrate(procedure, seed, out):
     """Calibrate one simulated rig; return (name, estimate, true value) of each quantity."""
-    options = [*DRAWN[procedure], f"simulation.seed={seed}"]
+    options = [*(DRAWN | DRAWN_OF_A_FEW)[procedure], f"simulation.seed={seed}"]
     rig, _, name = procedure.rpartition(" ")
     profile = load_profile(rig or "cylinder", REGISTRY, options, find_configs())
     if procedure in DRAWN_FOR:
@@ -63,6 +67,7 @@ TRUE = {
     **truth_of_joint_friction.TRUE,
     **truth_of_camera.TRUE,
     **truth_of_servos.TRUE,
+    **dict.fromkeys(LOW_SPEED, truth_of_joint_friction.true_of_joint_friction),
 }
 
 

@@ -39,7 +39,8 @@ def test_coverage(procedure, tmp_path, table):
 @pytest.mark.parametrize(
     ("procedure", "calibrations"),
     [("regulators", 8), ("encoders", 8), ("joint lens", 8), ("joint camera", 8),
-     ("joint geometry", 4), ("friction", 4), ("joint friction", 2), ("cylinder-locked leak", 4)],
+     ("joint geometry", 4), ("friction", 4), ("joint friction", 2), ("cylinder-locked leak", 4),
+     ("joint-ideal-low-speed friction", 2), ("joint-low-speed friction", 2)],
 )  # fmt: skip
 def test_coverage_of_a_few(procedure, calibrations, tmp_path):
     rows = [row for seed in range(calibrations) for row in calibrate(procedure, seed, tmp_path)]

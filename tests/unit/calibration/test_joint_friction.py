@@ -21,7 +21,14 @@ from rig.config import find_configs, load_profile
 from rig.mechanisms.joint.calibration.ball_friction import belief_of, friction_on_ball
 from rig.mechanisms.joint.calibration.breakaway import Breakaways, TugCase, cases_of, forces_of_tugs
 from rig.mechanisms.joint.calibration.leaning import Strokes
-from rig.mechanisms.joint.calibration.stroke_fit import StrokeFit, fit_strokes
+from rig.mechanisms.joint.calibration.stroke_fit import (
+    COULOMB,
+    GROWTH,
+    VISCOUS,
+    LeftOut,
+    StrokeFit,
+    fit_strokes,
+)
 from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, StrokesAndTugs, TugScript
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump
 
@@ -412,6 +419,27 @@ def test_the_interval_of_sliding_friction_holds_what_else_may_be_true():
     bounds = math.hypot(0.1, 0.3) / math.sqrt(3.0)
     assert found.std == pytest.approx(math.hypot(0.1, bounds, 0.2))
     assert found.high - found.value == pytest.approx(1.93 * found.std, rel=0.02)
+
+
+@pytest.mark.parametrize("index", [COULOMB, VISCOUS, GROWTH])
+def test_what_the_model_leaves_out_is_a_share_of_each_of_its_own(index):
+    fit = Fit(np.full(4, 7.0), np.diag(np.full(4, 0.1**2)), 400.0, np.zeros(5))
+    exact = StrokeFit(None, (fit, fit), fit, fit)
+    left_out = exact._replace(model=LeftOut(coulomb=0.1, viscous=0.2, growth=0.3))
+    share = {COULOMB: 0.1, VISCOUS: 0.2, GROWTH: 0.3}[index]
+    more = math.hypot(0.1, share * 7.0 / math.sqrt(3.0))
+    assert exact.estimate(index, "f", "N").std == pytest.approx(0.1)
+    assert left_out.estimate(index, "f", "N").std == pytest.approx(more)
+    assert left_out.estimate(0, "f", "N").std == pytest.approx(0.1)
+
+
+def test_a_force_rises_on_while_the_moment_of_breakaway_is_not_known(profile):
+    tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1)).tugs
+    forces = taken_in(tugs, np.zeros(len(tugs)), swung=0.0)
+    case = [TugCase(profile, belief_of(profile))]
+    found = Breakaways(tugs, forces, (0, 1), 0.04).estimate(0, "b", case, forces[None])
+    assert found.std == pytest.approx(0.04 / math.sqrt(3.0))
+    assert found.high - found.value == pytest.approx(0.95 * 0.04, rel=0.02)
 
 
 @pytest.mark.parametrize(

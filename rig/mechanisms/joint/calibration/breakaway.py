@@ -134,9 +134,14 @@ class Breakaways:
         Their breakaway forces, N; NaN where the pair did not move.
     pairs : sequence of int
         The pairs that are estimated.
+    risen : float
+        Bound of what a force rises by while the moment is not known, N.
     """
 
-    def __init__(self, tugs: Sequence[Tug], forces: Array, pairs: Sequence[int]) -> None:
+    def __init__(
+        self, tugs: Sequence[Tug], forces: Array, pairs: Sequence[int], risen: float = 0.0
+    ) -> None:
+        self._risen = risen / math.sqrt(3.0)
         self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
         self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
         rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
@@ -188,7 +193,12 @@ class Breakaways:
         scatter = math.sqrt(self._variance * float(weights @ weights))
         off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
         missing = model * abs(value)
-        even = [self._left, missing, *(size / math.sqrt(3.0) for bound, size in off if bound)]
+        even = [
+            self._left,
+            missing,
+            self._risen,
+            *(size / math.sqrt(3.0) for bound, size in off if bound),
+        ]
         normal = math.hypot(*(size for bound, size in off if not bound))
         return estimate_of_sum(name, value, "N", scatter, self._freedom, normal, even)
 

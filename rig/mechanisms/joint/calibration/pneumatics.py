@@ -253,16 +253,16 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
     @property
     def nobody_leads(self) -> bool:
         """Whether seals hold the ring near upright, and no law leads it from there: late air."""
-        return self._late and not self._falls
+        return self.air_is_late and not self._falls
 
     @property
     def _falls(self) -> bool:
         """Whether the cascade for standard seals throws the ring: late air, and little friction."""
         friction = self.settings.friction
-        return self._late and friction.breakaway < _STICKY * friction.coulomb
+        return self.air_is_late and friction.breakaway < _STICKY * friction.coulomb
 
     @property
-    def _late(self) -> bool:
+    def air_is_late(self) -> bool:
         """Whether the air is too late for the cascade for standard seals."""
         response = self.settings.regulator_response
         air = max(response.dead_time - response.monitor_time, 0.0)

@@ -22,8 +22,9 @@ open, which are part of every interval (type B evaluations):
 - how much of the growth is the seals': anything from none to a fifth;
 - how ring and wires share the friction on the ball (`joint.tolerance.friction`);
 - how stiff the wires are (`joint.tolerance.stiffness`), on which the ring's pose depends;
-- of slides, whose forces change fast: how late the monitors are. Their filter comes after the
-  chamber's air, and a tube, which nobody has measured, before it: by no more than the filter.
+- how late the monitors are: much of slides, whose forces change fast, and some of strokes. Their
+  filter comes after the chamber's air, and a tube, which nobody has measured, before it: by no more
+  than the filter.
 
 References
 ----------
@@ -103,6 +104,27 @@ class _Stroke(NamedTuple):
     signals: list[SmoothSignals]
 
 
+class LeftOut(NamedTuple):
+    """Bounds of what the model leaves out, as shares of what is fitted: none.
+
+    Parameters
+    ----------
+    coulomb, viscous, growth : float
+        Of Coulomb friction, of viscous friction, of how friction grows with the tensions.
+    """
+
+    coulomb: float = 0.0
+    viscous: float = 0.0
+    growth: float = 0.0
+
+    def of(self, index: int) -> float:
+        """Return that of a parameter."""
+        return {COULOMB: self.coulomb, VISCOUS: self.viscous, GROWTH: self.growth}.get(index, 0.0)
+
+
+NOTHING: Final = LeftOut()
+
+
 class StrokeFit(NamedTuple):
     """Fits of one pair's strokes, for each case of what strokes do not show.
 
@@ -117,8 +139,8 @@ class StrokeFit(NamedTuple):
         deviation.
     prompt : Fit, optional
         With the least, and monitors that are not late, where it matters.
-    model : float
-        Bound of what the model leaves out, as a share of Coulomb and viscous friction.
+    model : LeftOut
+        What the model leaves out.
     """
 
     rows: Sliding
@@ -126,7 +148,7 @@ class StrokeFit(NamedTuple):
     ring: Fit
     stiffer: Fit
     prompt: Fit | None = None
-    model: float = 0.0
+    model: LeftOut = NOTHING
 
     @property
     def values(self) -> Array:
@@ -145,8 +167,7 @@ class StrokeFit(NamedTuple):
         bounds = [0.5 * (other.value - one.value), float(self.ring.values[index]) - one.value]
         if self.prompt is not None:
             bounds.append(float(self.prompt.values[index]) - one.value)
-        if index in (COULOMB, VISCOUS):
-            bounds.append(self.model * 0.5 * (one.value + other.value))
+        bounds.append(self.model.of(index) * 0.5 * (one.value + other.value))
         even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
         stiffer = abs(float(self.stiffer.values[index]) - one.value)
         unity = np.eye(len(self.values))[index].tolist()
@@ -160,7 +181,7 @@ def fit_strokes(
     names: Sequence[str],
     travel: float,
     late: float = 0.0,
-    model: float = 0.0,
+    model: LeftOut = NOTHING,
 ) -> tuple[list[StrokeFit], Belief]:
     """Fit the strokes; return what they say of each pair, and of the joint's friction.
 
@@ -175,8 +196,8 @@ def fit_strokes(
     travel : float
         That each pair was asked for, m.
     late : float
-        By how much the monitors may come after the chambers, s.
-    model : float
+        By how much the monitors are taken to come after the chambers, s: as likely not at all.
+    model : LeftOut
         See `StrokeFit`.
 
     Raises
