@@ -51,9 +51,15 @@ def read_table_lines(path: Path) -> list[str]:
     Raises
     ------
     InfeasibleMotion
-        As `read_lines`, or a line is too long; with its number.
+        As `read_lines`, or a line is too long; with its number. Or semicolons stand between its
+        cells, as spreadsheets write them where the comma is the decimal sign.
     """
     lines = read_lines(path)
+    if lines and ";" in lines[0] and "," not in lines[0]:
+        raise InfeasibleMotion(
+            f"{path}, line 1: semicolons separate its cells; write commas between them, and a "
+            f"decimal point in numbers."
+        )
     for number, line in enumerate(lines, 1):
         if len(line) > _LONGEST:
             raise InfeasibleMotion(

@@ -24,6 +24,8 @@ from controllers.arm.types import Joints, Pose
 from controllers.motion import InfeasibleMotion
 
 _BASE, _START = "base", "start"
+_APART = 1e-9
+"""Distance of two places that are one after the other, m; nearer ones are one place to any arm."""
 _NEAR = (0.0, math.radians(20.0), math.radians(90.0), 0.0, math.radians(30.0), 0.0)
 
 
@@ -103,9 +105,10 @@ class PosePath(ArmPath):
         from controllers.arm.pose_trajectory import PoseTrajectory
 
         poses = read_poses(Path(self.file)) if self.file else Poses(list(self.points))
-        for number, (before, after) in enumerate(pairwise(poses.places), 2):
-            if before == after:
-                raise InfeasibleMotion(f"place {number} of the path is place {number - 1} again.")
+        for number, (before, after) in enumerate(pairwise(poses.places), 1):
+            away = math.dist(before, after)
+            if away < _APART:
+                raise InfeasibleMotion(_too_close(poses, number, away))
         if len(poses.places) < 2:
             raise InfeasibleMotion(
                 f"a path needs two places at least; there is {len(poses.places)}."
@@ -124,3 +127,16 @@ class PosePath(ArmPath):
         if isinstance(self.frame, TaughtFrame):
             return Pose(self.frame.origin, self.frame.axes)
         return self.seen_in({})._frame(arm)
+
+
+def _too_close(poses: Poses, number: int, away: float) -> str:
+    """Return why a path does not lead from a place to the next; `number` of it, from 0."""
+    same = f"{poses.where(number)} is place {number} again"
+    if away > 0.0:
+        same += f", {1e3 * away:.2g} mm away; {1e3 * _APART:g} mm are the least"
+    if not poses.turns(number):
+        return f"{same}."
+    return (
+        f"{same}, and the tool is turned there. The hand's speed times such a path, and a turn in "
+        f"place has no length: write it as arm-turn without a centre, or move the place."
+    )

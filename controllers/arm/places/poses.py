@@ -1,11 +1,12 @@
 """Places of the hand and how the tool stands there, out of a file."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from controllers.arm.places.columns import PoseColumns, Rotations, columns_of
-from controllers.arm.places.table import TextRow, read_cells
+from controllers.arm.places.table import TextRow, TextTable, read_cells
 from controllers.arm.types import Vector
 from controllers.motion import InfeasibleMotion
 
@@ -30,12 +31,29 @@ class Poses(NamedTuple):
         Unit vectors along the tool.
     spins : list of float, optional
         How far the tool is turned about its direction, rad.
+    source : str
+        The file that says them; empty: none.
+    lines : list of int
+        Line of the file in which each place stands.
     """
 
     places: list[Vector]
     quaternions: list[Quaternion] | None = None
     directions: list[Vector] | None = None
     spins: list[float] | None = None
+    source: str = ""
+    lines: Sequence[int] = ()
+
+    def where(self, number: int) -> str:
+        """Return where a place stands, counted from 0, as the beginning of a sentence."""
+        if not self.source:
+            return f"place {number + 1} of the path"
+        return f"{self.source}, line {self.lines[number]}: place {number + 1} of the path"
+
+    def turns(self, number: int) -> bool:
+        """Return whether the tool stands otherwise at a place than at the one before."""
+        said = (self.quaternions, self.directions, self.spins)
+        return any(of is not None and of[number] != of[number - 1] for of in said)
 
 
 def read_poses(path: Path) -> Poses:
@@ -56,6 +74,11 @@ def read_poses(path: Path) -> Poses:
         With file, line, column, value and bound.
     """
     table = read_cells(path)
+    lines = [row.line for row in table.rows]
+    return _poses(path, table)._replace(source=str(path), lines=lines)
+
+
+def _poses(path: Path, table: TextTable) -> Poses:
     columns = columns_of(path, table.header)
     width = len(table.header.cells)
     for row in table.rows:

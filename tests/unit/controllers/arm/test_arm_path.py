@@ -120,7 +120,19 @@ def test_a_file_says_places_in_its_units_and_rotations(tmp_path):
             "x (m), y (m), z (m)\n0, 0, 0\n0, 1\n",
             "line 3: of its 2 cells none is z, which is column 3",
         ),
-        ("x (m), y (m), z (m)\n0, 0, 0\n0, 0, 0\n", "place 2 of the path is place 1 again"),
+        (
+            "x (m), y (m), z (m)\n0, 0, 0\n0, 0, 0\n",
+            "line 3: place 2 of the path is place 1 again.",
+        ),
+        (
+            "x (mm), y (mm), z (mm)\n500, 0, 0\n\n500.0000000001, 0, 0\n",
+            "line 4: place 2 of the path is place 1 again, 1e-10 mm away; 1e-06 mm are the least.",
+        ),
+        (
+            "x (m), y (m), z (m), qw, qx, qy, qz\n0, 0, 0, 1, 0, 0, 0\n0, 0, 0, 0.6, 0.8, 0, 0\n",
+            "line 3: place 2 of the path is place 1 again, and the tool is turned there. ",
+        ),
+        ("x (m);y (m);z (m)\n0;0;0\n0;0,1;0\n", "line 1: semicolons separate its cells; write c"),
         ("x (m), y (m), z (m)\n0, 0, 0\n", "needs two places at least; there is 1"),
         ("x (m), y (m), z (m)\n0, 0, 0\n0, 0, 3\n", "leaves the workspace"),
         ("x (m), y (m), z (m)\n3, 0, 0\n3, 0, 3\n", "cannot be begun"),
