@@ -12,7 +12,7 @@ from rig.assembly import REGISTRY
 from rig.experiment.measure import Measure, NoSuchMotion, NoTruth, Samples, Window
 from rig.hal import ContractBroken, RigError
 from rig.hal.fits import is_number, is_ours, shown, where
-from rig.hal.motion import Fact, Segment
+from rig.hal.motion import Fact, Note, Segment
 from rig.runtime.log import LogError
 
 if TYPE_CHECKING:
@@ -44,6 +44,13 @@ class SpecEntry(TypedDict, total=False):
     min: float | None
 
 
+class RemarkEntry(TypedDict):
+    """A remark of the planner on a motion, as ``evaluation.json`` has it."""
+
+    kind: str
+    message: str
+
+
 class Evaluation(TypedDict, total=False):
     """The content of ``evaluation.json``: what is needed beside a log to judge and draw it."""
 
@@ -52,6 +59,7 @@ class Evaluation(TypedDict, total=False):
     constants: dict[str, float]
     figures: list[str]
     facts: dict[str, FactEntry]
+    remarks: list[RemarkEntry]
     segments: list[SegmentEntry]
     metrics: dict[str, SpecEntry]
 
@@ -289,6 +297,7 @@ def evaluation_as_json(
     mechanism: str | None = None,
     constants: Mapping[str, float] | None = None,
     additions: Sequence[str] = (),
+    remarks: Sequence[Note] = (),
 ) -> Evaluation:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
@@ -304,6 +313,11 @@ def evaluation_as_json(
             }
             for name, fact in (facts or {}).items()
         },
+        **(
+            {"remarks": [{"kind": kind, "message": said} for kind, said in remarks]}
+            if remarks
+            else {}
+        ),
         "segments": [
             {"name": segment.name, "start": segment.start, "end": segment.end}
             for segment in segments

@@ -84,6 +84,7 @@ def write_evaluation(plan: Plan, folder: RunFolder) -> None:
         plan.profile.mechanism,
         constants_of(plan.profile),
         plan.profile.additions,
+        plan.motion.remarks,
     )
     folder.write_json(EVALUATION, content)
 

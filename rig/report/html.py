@@ -81,6 +81,7 @@ def write_html(
         title,
         _header(folder, title),
         _stopped(folder),
+        _motion(folder),
         _metrics(folder.metrics(), _meanings(folder), problems),
         _figures(figures, failures, mechanism_of(folder)),
         _timing(folder),
@@ -129,6 +130,18 @@ def _stopped(folder: RunFolder) -> Html:
     command = f"rig explain {folder.path.name}"
     said = element("p", "The same in a terminal: ", element("code", command), ".")
     return section("Why it stopped", element("dl", *entries), said)
+
+
+def _motion(folder: RunFolder) -> Html:
+    """Return what the planner said of the motion: a run from before it was kept says nothing."""
+    remarks = folder.read_json(EVALUATION, Evaluation).get("remarks")
+    if not remarks:
+        return NOTHING
+    rows = [[remark["kind"], remark["message"]] for remark in remarks]
+    return section(
+        "The motion as it was planned",
+        table("What is known of the motion", ["what", "how"], rows),
+    )
 
 
 def _meanings(folder: RunFolder) -> Mapping[str, str]:

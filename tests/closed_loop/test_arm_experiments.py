@@ -5,6 +5,7 @@ friction; and what is refused on the command line before anything moves.
 """
 
 import json
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,10 @@ def test_weak_drives_follow_what_is_timed_under_their_torques_and_nothing_faster
     assert [metric.name for metric in result.metrics if metric.passed is False] == []
     assert result.exit_code == 0
     drawn = {path.stem for path in tmp_path.glob("**/figures/*.png")}
+    page = (result.path / "report.html").read_text()
+    assert plan.motion.remarks
+    for kind, said in plan.motion.remarks:
+        assert escape(kind) in page and escape(said) in page, "the report has the singularities"
     assert {"torques", "accelerations", "arm"} <= drawn
     free = result_of(tmp_path, "arm-path-loaded", None, "reference.torques=false")
     missed = {metric.name for metric in free.metrics if metric.passed is False}

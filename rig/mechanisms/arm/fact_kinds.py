@@ -25,7 +25,9 @@ PATH_FACTS: Final[Mapping[str, FactKind]] = {
     "time_over_optimum": FactKind(
         "", "duration over the least one, which knows the joints' rate limits alone"
     ),
-    "time_crossing": FactKind("s", "first pass through the elbow's singularity"),
+    "time_crossing": FactKind(
+        "s", "first pass through the elbow's singularity; those of shoulder and wrist are remarks"
+    ),
     "dwell_time": FactKind("s", "time in the region near the boundary"),
     "outcome": FactKind("", f"how the law ends it, 0, 1, 2: {', '.join(OUTCOMES)}"),
     "completes": FactKind("", "1 if the law gets to the path's end"),

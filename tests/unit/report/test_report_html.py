@@ -75,6 +75,20 @@ def test_report_says_everything_and_fetches_nothing(make_run: MakeRun) -> None:
     assert "<agonist>" not in text, "what comes from outside is escaped"
 
 
+def test_what_was_planned_is_told_if_the_folder_has_it(make_run: MakeRun) -> None:
+    run = make_run(duration=2.0)
+    assert "as it was planned" not in write_report(run).page.read_text()
+    content = json.loads((run / "evaluation.json").read_text())
+    content["remarks"] = [{"kind": "elbow, 1.250 s", "message": "through: the <arm> is stretched"}]
+    (run / "evaluation.json").write_text(json.dumps(content))
+    page = write_report(run).page.read_text()
+    assert "elbow, 1.250 s" in page and "through: the &lt;arm&gt; is stretched" in page
+    content["remarks"] = ["elbow"]
+    (run / "evaluation.json").write_text(json.dumps(content))
+    with pytest.raises(ConfigurationError, match="remarks"):
+        write_report(run)
+
+
 def test_report_regenerates_what_was_lost(make_run: MakeRun) -> None:
     run = make_run()
     metrics = (run / "metrics.json").read_bytes()
