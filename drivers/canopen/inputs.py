@@ -75,6 +75,11 @@ class CyclicInputs:
         self._wrong_in_a_row = 0
         self._wrong: tuple[int, int, int] = (0, 0, 0)
         self._held = 0
+        self._last = [b""] * len(layouts)
+        self._heard_sync = [-1] * len(layouts)
+        self._doubled_sync = -1
+        self._doubled_in_a_row = 0
+        self._doubled = 0
         single = len(layouts) == 1
         for number, layout in enumerate(layouts):
             handler = self._single(layout) if single else self._part(number, layout)
@@ -83,7 +88,7 @@ class CyclicInputs:
     def arm(self) -> None:
         """Expect samples from now on."""
         self._taken_sync = self._bus.syncs.count
-        self._wrong_in_a_row = 0
+        self._wrong_in_a_row = self._doubled_in_a_row = 0
         for answers in self._answers:
             answers.arm()
 
@@ -118,8 +123,18 @@ class CyclicInputs:
         Raises
         ------
         DeviceFault
-            Samples are missing, or their length is wrong, too many times in a row.
+            Samples are missing, their length is wrong, or there are two, too many times in a row.
         """
+        if self._doubled_in_a_row > self._fault_after:
+            raise DeviceFault(
+                self.name,
+                "somebody else sends under its identifier: after each SYNC two frames come, and "
+                "they differ",
+                node=self.node,
+                object=f"PDO 0x{self.can_ids[self._doubled]:03X}",
+                value=f"{self._doubled_in_a_row} cycles in a row",
+                bound=f"at most {self._fault_after}",
+            )
         missed = self._bus.syncs.count - self._taken_sync
         if not missed:
             return
@@ -149,15 +164,31 @@ class CyclicInputs:
     def _identifiers(self) -> str:
         return " or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids)
 
+    def _hear_again(self, number: int, data: bytes) -> None:
+        """Count a second frame of a cycle that says something else.
+
+        A late frame is one that was missing before, so that two come now and then; in cycle after
+        cycle they are of two senders.
+        """
+        count = self._bus.syncs.count
+        if data == self._last[number] or count == self._doubled_sync:
+            return
+        in_a_row = count == self._doubled_sync + 1
+        self._doubled_in_a_row = self._doubled_in_a_row + 1 if in_a_row else 1
+        self._doubled_sync, self._doubled = count, number
+
     def _single(self, layout: Layout) -> Callable[[bytes, float], None]:
         size, unpack = layout_size(layout), layout_struct(layout).unpack
         take, syncs, can_id = self._take, self._bus.syncs, self.can_ids[0]
-        answer = self._answers[0].take
+        answer, last, heard = self._answers[0].take, self._last, self._heard_sync
 
         def receive(data: bytes, now: float) -> None:
             if len(data) != size:
                 self._count_wrong(can_id, len(data), size)
                 return
+            if heard[0] == syncs.count:
+                self._hear_again(0, data)
+            heard[0], last[0] = syncs.count, data
             self._taken_sync = syncs.count
             self._wrong_in_a_row = 0
             take(unpack(data), answer())
@@ -168,11 +199,15 @@ class CyclicInputs:
         size, unpack = layout_size(layout), layout_struct(layout).unpack
         can_id, bit = self.can_ids[number], 1 << number
         syncs, answer, sampled = self._bus.syncs, self._answers[number].take, self._sampled
+        last, heard = self._last, self._heard_sync
 
         def receive(data: bytes, now: float) -> None:
             if len(data) != size:
                 self._count_wrong(can_id, len(data), size)
                 return
+            if heard[number] == syncs.count:
+                self._hear_again(number, data)
+            heard[number], last[number] = syncs.count, data
             if self._seen_sync != syncs.count:
                 self._seen_sync, self._seen = syncs.count, 0
             self._parts[number] = unpack(data)

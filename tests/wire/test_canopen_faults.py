@@ -54,6 +54,32 @@ def test_a_late_frame_ends_the_gap_and_the_newest_counts(valves):
     assert valves.bus.statistics()["held_samples"] == 0
 
 
+OTHER = "181#B80CB80B01"
+"""A monitor a little higher than the node's own 181#B80BB80B01."""
+OWN = "181#B80BB80B01"
+
+
+def test_two_senders_under_one_identifier_are_a_fault_though_both_seem_right(valves):
+    for _ in range(5):  # so many may still be a queue that empties
+        valves.run(OWN, OTHER)
+    with pytest.raises(DeviceFault, match=r"somebody else sends under its identifier.*PDO 0x181"):
+        valves.run(OWN, OTHER)
+
+
+def test_two_frames_now_and_then_or_the_same_twice_are_no_second_sender(valves):
+    for _ in range(10):
+        valves.run(OWN, OWN)
+    for _ in range(10):  # every other is late
+        valves.run()
+        valves.run(OTHER, OWN)
+    for _ in range(3):  # a queue that empties, then order
+        valves.run(OWN, OTHER, OWN)
+    valves.run(OWN)
+    for _ in range(5):
+        valves.run(OTHER, OWN)
+    valves.run(OWN)
+
+
 def test_foreign_remote_and_extended_frames_change_nothing(valves):
     valves.run(VENTED)
     before = valves.driver.pressure()
