@@ -93,18 +93,3 @@ def test_the_joint_with_low_speed_seals_is_tracked_as_told(seed):
     assert trial.strayed < STRAYED
     (margin,) = bench._coarse.margins(bench.settings, [told])
     assert margin.sensitivity < PERMITTED
-
-
-FIRST_MOTION = "pid-friction"
-"""The law of the first motion of an acceptance test, when nobody has calibrated anything."""
-
-
-def test_the_law_of_the_first_motion_keeps_its_distance_from_instability():
-    bench = Workbench(Request("cylinder", FIRST_MOTION, None, (), None, 0))
-    corners = [bench.ensemble.nominal, *bench.ensemble.near()]
-    for margin in bench._coarse.margins(bench.settings, [one.numbers for one in corners]):
-        assert margin.stable
-        assert margin.sensitivity <= 1.7
-    trial = bench._coarse.trial(bench.settings, bench.ensemble.nominal.numbers, 0)
-    assert trial.reversals < 25.0
-    assert trial.strayed < STRAYED
