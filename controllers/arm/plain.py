@@ -230,9 +230,9 @@ class ServoHaltSettings(InverseSettings):
 
 
 class ServoHalt(_InverseLaw[ServoHaltSettings]):
-    """The plain inverse, with the hand's speed scaled to a halt before a singularity.
+    """The plain inverse under MoveIt Servo's rule: the hand slows to a halt before a singularity.
 
-    The rule and its thresholds are those of MoveIt Servo. It halts before a singularity: a path
+    The thresholds of the rule are MoveIt Servo's, too. It halts before a singularity: a path
     through one is not finished, and the plan's outcome is ``"halts"``. Promises no rates.
     """
 
