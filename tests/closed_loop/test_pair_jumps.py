@@ -34,6 +34,10 @@ def test_what_the_alarm_waits_for_and_what_the_pair_may_be_off_decide():
         plan("cylinder", "20 mm", "cylinder.limits.pair_force=18 N")
 
 
+def test_what_a_speed_comes_to_in_a_cycle_is_no_jump():
+    assert load_plan("cylinder-sine", ("cylinder.limits.following=0.005 mm",))
+
+
 def drawn(count):
     chance = random.Random("jumps")
     for rig, size in (("cylinder", 12), ("cylinder-low-speed", 6), ("cylinder-ideal", 5)):

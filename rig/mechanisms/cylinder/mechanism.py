@@ -183,6 +183,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
                     f"after {t:.3g} s the reference is at {position * 1e3:.4g} mm, outside "
                     f"limits.position, {lower * 1e3:.4g} … {upper * 1e3:.4g} mm"
                 )
+            jump, before = position - before - period * velocity, position
             if tick % _BETWEEN == 0:  # a sine of the loop's rate seems to stand in every cycle
                 velocity = max(velocity, motion.at(t + _SHARE * period).velocity, key=abs)
             if abs(velocity) > fastest:
@@ -190,7 +191,6 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
                     f"after {t:.3g} s the reference moves at {velocity:.3g} m/s, faster than "
                     f"limits.speed, {fastest:g} m/s"
                 )
-            jump, before = position - before, position
             if abs(jump) > limits.following and isinstance(controller, PairLaw):
                 lost = settings.alarms.oscillation.lost
                 check_jump(controller, t, jump, limits.following, limits.pair_force, lost)
