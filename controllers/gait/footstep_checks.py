@@ -86,10 +86,10 @@ def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) 
             raise InfeasibleMotion(
                 f"{where}: the {LEGS[swings]} print overlaps the one before it by "
                 f"{-apart * 1e3:.1f} mm, and the ground there would have two heights, "
-                f"{below * 1e3:.1f} mm apart."
+                f"{below * 1e3:.3g} mm apart."
             )
         raise MeetsGround(
-            f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.1f} mm below where it "
+            f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.3g} mm below where it "
             f"{'is to stand' if share else 'stood'}."
         )
 
