@@ -13,6 +13,7 @@ from controllers.arm.circular_trajectory import CircularTrajectory
 from controllers.arm.dynamics.carried import check_held, torques_for
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.esc import Esc, EscSettings
+from controllers.arm.kinematics import forward
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.motion_path import axis_path_of_motion, timed_samples
 from controllers.arm.plan import Sample
@@ -143,9 +144,21 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         return 1.0
 
     def _fine(self, trajectory: Trajectory, period: float) -> tuple[list[Sample], float]:
-        """Return the motion of `esc` along the same path, and how long it takes, s."""
+        """Return the motion of `esc` along the same path, and how long it takes, s.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It does not come to the path's end: what is left of the path must not be left out.
+        """
         esc, end = Esc(EscSettings(), self.geometry, period), MotionEnd()
         samples = collected(esc.move(trajectory, end), period, self.longest)
+        if end.outcome != "done":
+            gone = math.dist(*(forward(self.arm, samples[k].positions).position for k in (0, -1)))
+            raise InfeasibleMotion(
+                f"the joints' path is that of esc, which stalls {gone:.4g} m from the start: it "
+                f"does not turn back at the boundary from there; start the line elsewhere."
+            )
         return samples, end.duration
 
 

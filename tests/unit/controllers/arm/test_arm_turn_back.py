@@ -8,6 +8,7 @@ from arm_cases import START_FIG4, radians
 
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import TurnBack
 from controllers.arm.region import (
     elbow_scale,
@@ -277,3 +278,28 @@ def test_wrist_and_elbow_together():
     assert plan.outcome == "done"
     assert (plan.peak_rates <= ArmGeometry().rate_limits).all()
     assert plan.path_deviation < 1e-8
+
+
+def test_look_ahead_leaves_no_half_of_a_line_out_that_esc_does_not_turn_back_on():
+    """A drawn arm whose `esc` stalls at the boundary: the hand was done there, 0.568 m away."""
+    arm = ArmGeometry(
+        **WIDE,
+        a2=0.5915429488170001,
+        a3=0.88972136692,
+        d6=0.259185300049,
+        rate_limits=(6.91225, 2.61042, 4.33309, 1.00962, 3.86569, 0.765787),
+        acceleration_limits=(34.5612, 13.0521, 21.6655, 5.0481, 19.3285, 3.82894),
+    )
+    start = (
+        -2.555566983967113, 1.5213445854532563, 0.39859510646301777,
+        -1.2175515177815763, 0.435775033481256, 2.561569501805403,
+    )  # fmt: skip
+    path = TurnBack(
+        start=start,
+        direction=(-0.5486536121637022, 1.5759290046815946, 0.937904739170218),
+        speed=0.05458979304349299,
+        axis=(2.139916132360379, -0.5781021044800462, 0.5542365518397604),
+        turn_rate=0.4259791770918002,
+    )
+    with pytest.raises(InfeasibleMotion, match=r"esc, which stalls 0\.568 m from the start"):
+        LookAhead(LookAheadSettings(), arm, 5e-3).prepare(path)
