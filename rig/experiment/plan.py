@@ -4,7 +4,7 @@ import contextlib
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from types import MappingProxyType
@@ -84,14 +84,15 @@ def load_plan(
         Anything that can be found wrong without opening a device.
     """
     search = find_configs(configs)
-    for_experiment, for_profile = split_overrides(overrides)
+    named = rig or rig_of(experiment, search)
+    for_experiment, for_profile = split_overrides(overrides, named, search)
     if rig is not None:
         for_experiment = [*for_experiment, Setting(f"rig={rig}", f"--rig {rig}")]
-    admit_options(for_profile, rig or rig_of(experiment, search), search)
+    admit_options(for_profile, named, search)
     try:
         loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
     except ProfileError as error:
-        raise _with_errors_of_profile(error, rig or rig_of(experiment, search), search) from error
+        raise _with_errors_of_profile(error, named, search) from error
     profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
     return make_plan(loaded, profile)
 
@@ -130,8 +131,19 @@ def _with_errors_of_profile(
     return error
 
 
-def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
+def split_overrides(
+    overrides: Sequence[str], rig: str | None = None, search: Sequence[Path] = ()
+) -> tuple[list[str], list[str]]:
     """Return the options of the experiment and those of the profile.
+
+    Parameters
+    ----------
+    overrides : sequence of str
+        Each an ``a.b=c``.
+    rig : str, optional
+        Whose mechanism a hint names when an option lacks it.
+    search : sequence of Path
+        Where that rig's profile is looked for.
 
     Raises
     ------
@@ -147,10 +159,25 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
         elif key in profile_keys:
             for_profile.append(option)
         else:
-            near = difflib.get_close_matches(key, {*EXPERIMENT_KEYS, *profile_keys}, n=1)
+            path = option.partition("=")[0].strip()
+            near = _within_mechanism(path, rig, search) or difflib.get_close_matches(
+                key, {*EXPERIMENT_KEYS, *profile_keys}, n=1
+            )
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise ConfigurationError(f"{written(option)}: there is no key {key!r}{hint}")
     return for_experiment, for_profile
+
+
+def _within_mechanism(path: str, rig: str | None, search: Sequence[Path]) -> list[str]:
+    """Return a key as it is called under a rig's mechanism, or nothing where that has none such."""
+    if rig is None:
+        return []
+    try:
+        mechanism = load_profile(rig, REGISTRY, (), search).mechanism
+    except ConfigurationError:
+        return []  # without a sound profile nobody knows its mechanism
+    known = {field.name for field in fields(REGISTRY.settings("mechanism", mechanism))}
+    return [f"{mechanism}.{path}"] if path.partition(".")[0] in known else []
 
 
 def make_plan(experiment: Experiment, profile: Profile) -> Plan:

@@ -74,10 +74,11 @@ def resolve(source: PointSource, options: Sequence[str], configs: Path) -> Resol
         They are not valid.
     """
     search = find_configs(configs)
-    for_experiment, for_profile = split_overrides((*source.options, *options))
+    rig = source.rig or rig_of(source.experiment, search)
+    for_experiment, for_profile = split_overrides((*source.options, *options), rig, search)
     if source.rig is not None:
         for_experiment = [*for_experiment, Setting(f"rig={source.rig}", f"--rig {source.rig}")]
-    admit_options(for_profile, source.rig or rig_of(source.experiment, search), search)
+    admit_options(for_profile, rig, search)
     experiment = load_experiment(source.experiment, REGISTRY, for_experiment, search)
     profile = load_profile(experiment.rig, REGISTRY, for_profile, search)
     sheets = [

@@ -187,6 +187,10 @@ BEARS = {"cylinder.limits.stop_energy": "1 J"}
         ({"set": {"reference.dwell": [1]}}, r"^set={'reference.dwell': \[1\]}: dwell"),
         ({"set": {"loop.rate": "1 m"}}, "^set={'loop.rate': '1 m'}: loop.rate: '1 m' is not in Hz"),
         ({"set": {"nothing.at.all": 1}}, "^set={'nothing.at.all': 1}: there is no key 'nothing'"),
+        (
+            {"set": {"limits.speed": 1}},
+            r"no key 'limits'; did you mean 'cylinder\.limits\.speed'\?$",
+        ),
         ({"seed": -3}, "^seed=-3: seed is -3, expected at least 0"),
         (
             {"controller": "pdi"},
