@@ -36,6 +36,8 @@ FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
 path by less than 1e-9 m."""
 _COARSEST = 200
+_FEWEST = 40
+"""Into so many steps a path is divided at least, however little the joints move on it."""
 _SHORTEST = 1e-13
 """Share of the path below which a step is not divided any more: past two near misses at once, of
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
@@ -190,7 +192,7 @@ def axis_path_of_line(
             )
         nominal.append(t)
         joints.append(q)
-        step *= 1.6 if moved < 0.4 * FINEST else 1.0
+        step = min(1.6 * step, last / _FEWEST) if moved < 0.4 * FINEST else step
     (nominal, joints), corners = with_reversals(nominal, joints, solve)
     for _ in range(_REFINEMENTS):
         made = AxisPath(joints, nominal, nominal, corners)
@@ -199,8 +201,9 @@ def axis_path_of_line(
             break
         added = []
         for s in loose:
-            t, q = float(made.way(np.array([s]))[0, 0]), made.joints(np.array([s]))[0].tolist()
-            added.append((t, solve(t, tuple(q))))
+            # Halfway in time: what a loose spline says of it may lie beyond the next sample.
+            t = float(np.interp(s, made.knots, made.way(made.knots)[:, 0]))
+            added.append((t, solve(t, tuple(made.joints(np.array([s]))[0].tolist()))))
         rows = zip(nominal, joints, strict=True)
         both = sorted((*rows, *((t, q) for t, q in added if q is not None)), key=lambda row: row[0])
         nominal, joints = [t for t, _ in both], [q for _, q in both]

@@ -77,6 +77,20 @@ def test_the_hand_is_on_the_spline_and_the_joints_within_their_limits(seed):
     assert made.duration <= 1.25 * least_time(GEOMETRY, path)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_path_of_a_tenth_of_a_millimetre_is_one_too(seed):
+    """The joints move by a milliradian: what is near for them is far for its bends."""
+    rng = np.random.default_rng((131, seed))
+    points = np.cumsum(rng.normal(scale=2e-5, size=(8, 3)), axis=0)
+    path = PosePath(
+        points=tuple(map(tuple, points.tolist())), near=(0.3, 0.4, 1.2, 0.1, -0.1, 0.0),
+        frame="start", speed=float(10 ** rng.uniform(-4, -2)),
+    )  # fmt: skip
+    for period in (5e-3, 2e-2):
+        made = LookAhead(LookAheadSettings(), GEOMETRY, period).prepare(path)
+        assert made.path_deviation < 1e-7
+
+
 def test_it_goes_through_the_wrists_singularity():
     path = next(path for path in map(drawn, range(50)) if path.near[4] == 0.0)
     made = plan(path)
