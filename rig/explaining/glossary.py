@@ -19,6 +19,7 @@ PROFILE, EXPERIMENT = "profile key", "experiment key"
 MEASURE, FACT = "measure", "planned measure"
 SWEEP, SCENARIO = "sweep key", "fault scenario key"
 LAW, FIGURE, EXIT_CODE = "control law", "figure", "exit code"
+FAULT = "fault in simulation"
 PARTS: Mapping[str, tuple[Kind, str]] = {
     "motion": ("reference", "reference.kind"),
     "driver": ("driver", "devices.NAME.driver"),
@@ -70,12 +71,21 @@ def glossary() -> tuple[Word, ...]:
 
 def without_keys() -> tuple[Word, ...]:
     """Return the words that are no keys of files: those need the schemas of every part, 2 s."""
-    return (*_laws(), *_measures(), *_facts(), *_figures(), *exit_codes())
+    return (*_laws(), *_measures(), *_facts(), *_figures(), *_faults(), *exit_codes())
 
 
 def exit_codes() -> Iterator[Word]:
     """Return what the program's exit codes mean."""
     return (Word(code, EXIT_CODE, "", text) for code, text in EXIT_CODES.items())
+
+
+def _faults() -> Iterator[Word]:
+    """Return what ``rig faults list`` may name, on whichever rig."""
+    from rig.faults.catalogue import KINDS
+
+    for name, kind in KINDS.items():
+        unseen = f" Why it may go unseen: {kind.why}." if kind.why else ""
+        yield Word(name, FAULT, "", f"{kind.what}{unseen}")
 
 
 def _profile_keys() -> Iterator[Word]:

@@ -15,6 +15,7 @@ from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
 from rig.explaining.faults import fault_topics, topic_of
 from rig.explaining.glossary import glossary, without_keys
+from rig.faults.catalogue import KINDS
 
 ROOT = Path(rig.__file__).parents[1]
 FAULTS = {
@@ -227,3 +228,9 @@ def test_a_figure_is_explained(capsys, figure):
     code, out, _ = said(capsys, figure)
     assert code == 0
     assert f"{figure} (figure" in out
+
+
+def test_each_fault_that_can_be_planted_is_a_word():
+    listed = {word.name: word.text for word in without_keys() if word.kind == "fault in simulation"}
+    assert set(listed) == set(KINDS)
+    assert "A pressure monitor repeats its value." in listed["monitor_frozen"]
