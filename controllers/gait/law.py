@@ -41,6 +41,8 @@ _TRIES = 12
 """Speeds that are tried for one at which a motion is accepted."""
 _SLOWER = 0.98
 """Of a speed that was tried, the next one at most."""
+_NEARLY = 1.006
+"""Times the speed that a refusal names it is refused, at most."""
 _ROUNDING = 1e-9
 """By which a joint may pass its limit, rad."""
 
@@ -146,18 +148,32 @@ class GaitLaw(
 
         Slower, its worst instant may be another one.
         """
-        speed = refused.slower
+        speed, too_quick = refused.slower, motion.speed
         for _ in range(_TRIES):
             speed = floor(speed)
             try:
                 self._prepare(replace(motion, speed=speed))
             except TooQuick as error:
+                too_quick = speed
                 speed = min(error.slower, _SLOWER * speed)
             except InfeasibleMotion as error:
                 return f"at a speed of {speed:g} it would be refused, too: {str(error).rstrip('.')}"
             else:
+                speed = self._greatest(motion, speed, too_quick)
                 return f"at a speed of {speed:g} instead of {motion.speed:.4g} it would fit"
         return "no speed was found at which it would fit"
+
+    def _greatest(self, motion: LegsMotion, fits: float, too_quick: float) -> float:
+        """Return a speed that is accepted, of which a little more is not."""
+        while too_quick > _NEARLY * fits:
+            speed = floor(math.sqrt(fits * too_quick))
+            try:
+                self._prepare(replace(motion, speed=speed))
+            except InfeasibleMotion:
+                too_quick = speed
+            else:
+                fits = speed
+        return fits
 
     def _prepare_within_rates(self, motion: LegsMotion) -> GaitPlan:
         plan = self._prepare(motion)

@@ -150,7 +150,15 @@ def _of_slower(said, motion, law):
         law.prepare(replace(motion, speed=float(slower)))
     except InfeasibleMotion as error:
         return "" if speed is None else f"at {slower}: {error}"
-    return "it is not refused" if speed is None else ""
+    if speed is None:
+        return "it is not refused"
+    if 1.01 * float(slower) < motion.speed:
+        try:
+            law.prepare(replace(motion, speed=1.01 * float(slower)))
+        except InfeasibleMotion:
+            return ""
+        return f"more than {slower} would fit, too"
+    return ""
 
 
 def _of_other_speeds(said, motion, law):

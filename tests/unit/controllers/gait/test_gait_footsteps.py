@@ -312,3 +312,28 @@ def test_a_missing_file_is_named(tmp_path):
 def test_exactly_one_source_of_footprints():
     with pytest.raises(ValueError, match="exactly one of file, steps and numbers"):
         FootstepsSettings()
+
+
+def test_the_speed_that_is_named_is_the_greatest_within_a_hundredth():
+    """A stair under which the first guess, 5.927, fits as 5.987 does."""
+    lean = 0.02664626539914165
+    places = (
+        ("left", 0.10120728118811491, 0.04659258056971772, -0.0026974345190152217),
+        ("right", 0.14675055772276663, -0.04687280753902729, -0.003911280052572071),
+        ("left", 0.19229383425741833, 0.040166892033986136, -0.005125125586128921),
+        ("right", 0.23783711079207004, -0.03673290035211312, -0.0063389711196857705),
+        ("left", 0.28338038732672177, 0.044119649277952706, -0.007552816653242621),
+        ("right", 0.3289236638613735, -0.04287075583675914, -0.008766662186799471),
+    )
+    steps = tuple(Footstep(foot, x, y, height=height, pitch=lean) for foot, x, y, height in places)
+    law = TrapezoidNormLaw(TrapezoidNormSettings(), model(min_margin=5e-3), 5e-3)
+    motion = FootstepsSettings(
+        steps=steps, first_shift_time=3.0, shift_time=3.83, swing_time=3.47, speed=7.386,
+        hip=0.159885, lift=0.013697,
+    )  # fmt: skip
+    with pytest.raises(InfeasibleMotion) as refused:
+        law.prepare(motion)
+    named = float(re.search(r"at a speed of (\S+) instead of 7\.386", str(refused.value))[1])
+    law.prepare(replace(motion, speed=named))
+    with pytest.raises(InfeasibleMotion):
+        law.prepare(replace(motion, speed=1.01 * named))
