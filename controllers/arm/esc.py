@@ -227,8 +227,9 @@ class EscSettings:
     elbow_region : float, optional
         Its half width, sine of q3, whatever follows from the other two.
     from_rest : bool
-        Begin and end at rest, within the joints' accelerations. Otherwise the hand starts and
-        stops at its speed within a period, as the paper's does.
+        Begin and end at rest, by ramps within the joints' accelerations; between them the law's
+        own are what they are. Otherwise the hand starts and stops at its speed within a period,
+        as the paper's does.
     """
 
     account_turning: bool = True

@@ -21,6 +21,10 @@ either is 1 to 1.5 % at most, by the force between a creep of 2 mm/s and 5 mm/s,
 each other. Each is taken to lie anywhere between nothing and 1.5 % of the breakaway (a type B
 evaluation). So it enters the interval of v_s, beside the glides' scatter.
 
+**B holds the air's damping, too**: it flows through the tubes as the pistons move, behind what the
+monitors see. That is 2 N s/m at 16 mm of bore and as much as the seals' at 32 mm; the regulators
+have to overcome it alike.
+
 Each glide is a block of its own: its samples depend on each other, and the intervals are robust
 against that.
 
@@ -36,6 +40,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
@@ -53,6 +58,8 @@ _BASES: Final = (1.0, 0.8, 1.2, 0.9, 1.1)
 _SHARE: Final = 0.8
 """Of the permitted positions that the glides use."""
 
+_MOST: Final = (30.0, 1.81e-4)
+"""Force that breaks away a pair of standard seals (N) at such an area of a chamber, m²: 16 mm."""
 _BUMP: Final = 0.041
 """Width of the bump that glides are weighed with, s: they change slowly."""
 
@@ -145,7 +152,9 @@ class PairFriction(Procedure[Recording]):
 def _glides(profile: Profile) -> Glides:
     pneumatics = PairPneumatics(profile)
     bases = tuple(share * pneumatics.base_pressure for share in _BASES)
-    return Glides(pneumatics.reach(_SHARE), bases)
+    # Seals are as long as the bore is round, and they and the seat take the more the chambers pull.
+    most = _MOST[0] * max(1.0, math.sqrt(pneumatics.area / _MOST[1]))
+    return Glides(pneumatics.reach(_SHARE), bases, most=most)
 
 
 def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _Glides:
@@ -169,7 +178,7 @@ def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _
             glide.side * x for x in (signals.force, signals.velocity, signals.acceleration)
         )
         moving = np.flatnonzero(velocity > _MOVING)
-        if not len(moving) or way < 0.3 * glides.travel:
+        if not len(moving) or way < glides.least_way:
             raise CalibrationRefused(
                 f"{glide.name}: the pair moved by {1e3 * way:.3g} mm with {pull.max():.3g} N, "
                 f"about {2e3 * glides.travel:.2g} mm are needed: a rod is stuck, the supply is "
@@ -182,8 +191,8 @@ def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _
         most = float((glide.side * sharp.force[:broke]).max())
         rows.append((number, glide.side, most, 0.0, 0.0, load[start]))
         # Nothing but the glide itself: what happens after it has stopped is none.
-        stopped = np.flatnonzero(velocity[start:] < 0.5 * _MOVING)
-        end = start + (int(stopped[0]) if len(stopped) else len(velocity) - start)
+        begin, end = _longest_stretch(velocity > 0.5 * _MOVING)
+        start = begin + int(np.argmax(velocity[begin:end] > _MOVING))
         even = np.flatnonzero((np.abs(acceleration) < _EVEN * velocity) & (velocity > _MOVING))
         even = even[(even >= start + wide.width) & (even < end - wide.width)][::_THIN]
         if len(even) < _LEAST_ROWS:
@@ -196,6 +205,14 @@ def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _
             for k in even.tolist()
         ]
     return _Glides(*np.array(rows, float).T)
+
+
+def _longest_stretch(moving: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return begin and end of the longest stretch of samples in which a pair moves."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], moving, [False])).astype(int)))
+    begins, ends = edges[::2], edges[1::2]
+    longest = int(np.argmax(ends - begins))
+    return int(begins[longest]), int(ends[longest])
 
 
 def _model(rows: _Glides, q: Array, speed: float) -> Array:

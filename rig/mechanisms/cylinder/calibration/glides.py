@@ -8,7 +8,7 @@ sliding, down to the speed below which friction falls faster with the speed than
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple
 
@@ -33,6 +33,9 @@ _STUCK: Final = (0.05, 0.1e-3)
 
 _CAUGHT: Final = 0.25
 """A pair that stops sooner after it has broken away was given too little: the spring goes on, s."""
+
+_SHORT: Final = 0.5
+"""Share of half the permitted way short of which a glide is done once more: it tells too little."""
 
 _FLOOR: Final = 15e3
 """No chamber goes below, Pa gauge: its wire would go slack."""
@@ -121,6 +124,11 @@ class Glides:
         return max((glide.end for glide in self.glides()), default=0.0)
 
     @property
+    def least_way(self) -> float:
+        """Way of a glide that tells anything, m."""
+        return 0.3 * self.travel
+
+    @property
     def segments(self) -> tuple[Segment, ...]:
         """Each glide, from where the force begins to rise."""
         return tuple(Segment(glide.name, glide.rise, glide.end) for glide in self.glides())
@@ -206,7 +214,10 @@ class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
         return PairCommand(glide.base + half, glide.base - half)
 
     def _pull(self, glide: Glide, stood: float) -> Iterator[float]:
-        """Yield the force (N) until the pair has stopped again, or does not move at all.
+        """Yield the force (N) until the pair has glided and stopped, or does not move at all.
+
+        Whose seals' breakaway and regulators' hysteresis together ask for more than is taken off
+        stops after some millimetres; it is broken away once more, and given half as much less.
 
         Parameters
         ----------
@@ -215,16 +226,35 @@ class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
         stood : float
             Where the pair stands, m.
         """
-        settings = self.settings
+        settings, less = self.settings, _LESS
+        begun, held = glide.rise, 0.0
         while True:
-            force = settings.rate * (self.t - glide.rise)
-            way = glide.side * (self.state.position - stood)
-            if way > _BROKEN:
-                break
-            if force > settings.most:
+            rested = glide.side * (self.state.position - stood)
+            while True:
+                force = held + settings.rate * (self.t - begun)
+                if glide.side * (self.state.position - stood) - rested > _BROKEN:
+                    break
+                if force > settings.most:
+                    return
+                yield force
+            stopped_at = yield from self._slide(glide, stood, force, less)
+            if stopped_at is None or less < _LESS:
                 return
-            yield force
-        began, first, at_first = self.t, way, (1.0 - _LESS) * force
+            begun, held, less = self.t, stopped_at, 0.5 * _LESS
+
+    def _slide(
+        self, glide: Glide, stood: float, force: float, less: float
+    ) -> Generator[float, None, float | None]:
+        """Yield the force of the spring (N) until the pair has stopped.
+
+        Returns
+        -------
+        stopped_at : float or None
+            The force if it has stopped before it has gone far enough to tell anything.
+        """
+        settings = self.settings
+        first = glide.side * (self.state.position - stood)
+        began, at_first = self.t, (1.0 - less) * force
         looked, was = began, first
         yield force
         while True:
@@ -234,6 +264,8 @@ class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
                 stopped = since > _CAUGHT and way - was < _STUCK[1]
                 looked, was = self.t, way
                 beyond = glide.side * self.state.position > settings.travel
+                if stopped and way < _SHORT * settings.travel:
+                    return force
                 if stopped or beyond or since > settings.longest:
-                    return
+                    return None
             yield force
