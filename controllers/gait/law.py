@@ -152,7 +152,7 @@ class GaitLaw(
         for _ in range(_TRIES):
             speed = floor(speed)
             try:
-                self._prepare(replace(motion, speed=speed))
+                self._accept(replace(motion, speed=speed))
             except TooQuick as error:
                 too_quick = speed
                 speed = min(error.slower, _SLOWER * speed)
@@ -168,12 +168,19 @@ class GaitLaw(
         while too_quick > _NEARLY * fits:
             speed = floor(math.sqrt(fits * too_quick))
             try:
-                self._prepare(replace(motion, speed=speed))
+                self._accept(replace(motion, speed=speed))
             except InfeasibleMotion:
                 too_quick = speed
             else:
                 fits = speed
         return fits
+
+    def _accept(self, motion: LegsMotion) -> None:
+        """Raise as `prepare` would: what is to be as fast as it can keeps the rates, too."""
+        if isinstance(motion, WalkSettings | FootstepsSettings) and motion.fastest:
+            self._prepare_within_rates(motion)
+        else:
+            self._prepare(motion)
 
     def _prepare_within_rates(self, motion: LegsMotion) -> GaitPlan:
         plan = self._prepare(motion)

@@ -186,6 +186,12 @@ def test_a_few_drawn_gaits():
     assert planned >= 4
 
 
+def test_a_walk_that_is_to_be_as_fast_as_it_can_is_told_a_speed_that_keeps_the_rates():
+    """Under min-jerk, which itself keeps no rates."""
+    _, refused, wrong = judge([1171])
+    assert (refused, wrong) == (1, {})
+
+
 @pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("block", range(10))
