@@ -42,7 +42,8 @@ the same in a terminal. Numbers in files carry their unit (`35 kPa`); defaults a
 ## Commands
 
 `rig COMMAND --help` has the options. Every command takes `--json`: what it found is then all that
-is on stdout, as JSON (a line for each frame of `rig monitor`), and words are on stderr. The folder
+is on stdout, as JSON (a line for each frame of `rig monitor`), and words are on stderr; an error is
+`{"error": …, "exit": …}` there. The folder
 of runs is `--out` or `--runs`, whichever comes to mind; `rig export`, `rerun` and `replay` look for
 a run in `--runs`, and write what `--out` says.
 """

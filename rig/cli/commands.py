@@ -8,7 +8,7 @@ import sys
 import click
 
 from rig.cli.command_table import COMMANDS, INTRODUCTION
-from rig.cli.tables import brief, visible
+from rig.cli.tables import brief, print_json, printed_so_far, visible
 
 
 class _LazyGroup(click.Group):
@@ -51,25 +51,39 @@ def group() -> None:
 
 
 def invoke(arguments: list[str] | None = None) -> int:
-    """Run the command line and return its exit code; never shows a traceback for an input."""
+    """Run the command line and return its exit code; never shows a traceback for an input.
+
+    With ``--json`` an error is on stdout, too, as ``{"error": …, "exit": …}``, unless what was
+    found is there already: two objects would be no JSON.
+    """
+    words = sys.argv[1:] if arguments is None else arguments
+    printed = printed_so_far()
+    code, error = _invoked(arguments)
+    if error and "--json" in words and printed_so_far() == printed:
+        print_json({"error": error, "exit": code})
+    return code
+
+
+def _invoked(arguments: list[str] | None) -> tuple[int, str]:
+    """Return the exit code, and what went wrong if that was said as an error."""
     try:
         result: object = group.main(args=arguments, prog_name="rig", standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("Interrupted.", err=True)
-        return 130
+        return 130, "Interrupted."
     except click.ClickException as error:
         error.show()
-        return 2
+        return 2, error.format_message()
     except KeyboardInterrupt:
         click.echo("Interrupted.", err=True)
-        return 130
+        return 130, "Interrupted."
     except BrokenPipeError:
         # The reader (`rig list | head`) has had enough: not an error, and nothing more to say.
         sys.stderr.close()
-        return 0
+        return 0, ""
     except (Exception, SystemExit) as error:  # somebody's code may want to end the program
-        return _report(error)
-    return result if isinstance(result, int) else 0
+        return _report(error), f"{error}" or type(error).__name__
+    return (result if isinstance(result, int) else 0), ""
 
 
 def _report(error: BaseException) -> int:

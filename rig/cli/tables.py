@@ -65,8 +65,18 @@ def print_tables(tables: Sequence[Table]) -> None:
         print_data("\n\n".join(_plain(table) for table in shown))
 
 
+_printed: list[int] = []
+"""Lengths of all that was printed: whether anything was is asked after an error."""
+
+
+def printed_so_far() -> int:
+    """Return how often data have been printed by this process."""
+    return len(_printed)
+
+
 def print_data(text: str) -> None:
     """Print text on stdout; a reader that has had enough (`rig list | head`) is no error."""
+    _printed.append(len(text))
     try:
         click.echo(visible(text))
         sys.stdout.flush()

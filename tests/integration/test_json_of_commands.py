@@ -12,10 +12,11 @@ from pathlib import Path
 import click
 import pytest
 
-from rig.cli import invoke
+from rig.cli import invoke, listing
 from rig.cli.command_table import COMMANDS
-from rig.cli.tables import finite
+from rig.cli.tables import finite, print_json
 from rig.config.names import find_configs
+from rig.hal import ConfigurationError
 
 QUICK = (
     "--on",
@@ -198,6 +199,39 @@ def test_what_is_printed_is_json(name, lab, monkeypatch, capfd):
         assert code in (0, 1) or (name == "doctor" and code == 3), told.err
     found = [strict(line) for line in text.splitlines()] if name in LINES else strict(text)
     assert CONTENT.get(name, lambda _: True)(found), found
+
+
+WRONG = {
+    "a name": (["check", "nothere"], 2, "no rig or experiment is called 'nothere'"),
+    "a command": (["chek"], 2, "There is no command 'chek'"),
+    "an option": (["list", "--nothing"], 2, "No such option"),
+    "a run": (["report", "nothere"], 2, "nothere"),
+    "a key": (["run", "cylinder-step", "--set", "no.key=1"], 2, "no.key"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_an_error_is_an_object_too(wrong, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words, code, text = WRONG[wrong]
+    assert invoke([*words, "--json"]) == code
+    told = capsys.readouterr()
+    found = strict(told.out)
+    assert found["exit"] == code
+    assert text in found["error"]
+    assert text in told.err  # and in words, as ever
+    assert invoke(words) == code
+    assert capsys.readouterr().out == ""
+
+
+def test_what_is_printed_before_an_error_stays_one_object(monkeypatch, capsys):
+    def fails(**_):
+        print_json({"found": 1})
+        raise ConfigurationError("it went wrong afterwards")
+
+    monkeypatch.setattr(listing.listing, "callback", fails)
+    assert invoke(["list", "--json"]) == 2
+    assert strict(capsys.readouterr().out) == {"found": 1}
 
 
 def printed_until_stopped(words, key):
