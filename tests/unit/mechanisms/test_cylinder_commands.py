@@ -17,9 +17,11 @@ from pneumatic_fakes import (
     pair_settings,
 )
 
+from controllers.cylinder.pid import Pid
 from controllers.cylinder.types import PairCommand, PairReference, PairState
 from rig.hal import ConfigurationError
 from rig.hal.mechanism import Margin
+from rig.mechanisms.cylinder import mechanism
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.mechanisms.cylinder.references import PairMotion
 
@@ -221,6 +223,50 @@ def test_a_speed_between_two_ticks_is_told_at_every_seventh(tick):
         AntagonisticPair.plan(settings, Between(0.0), None, PERIOD)
     between = [t for t in looked if t % PERIOD]
     assert (len(between), len(looked)) == (tick // 7 + 1, tick + 1 + tick // 7 + 1)
+
+
+class Moving(Held):
+    """A reference that goes on at a speed, and jumps at one tick of the loop's."""
+
+    def __init__(self, position, at_tick=0, speed=0.0):
+        super().__init__(position, at_tick)
+        self.speed = speed
+
+    def at(self, t):
+        jumped, _, _ = super().at(t)
+        return PairReference(jumped + self.speed * t, self.speed, 0.0)
+
+
+@pytest.fixture
+def jumps(monkeypatch):
+    """What is asked of each jump."""
+    asked = []
+    monkeypatch.setattr(mechanism, "check_jump", lambda *told: asked.append(told))
+    return asked
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("speed", [0.0, 0.4, -0.4])
+def test_a_jump_farther_than_is_followed_is_tried_with_the_pairs_law(sign, speed, jumps):
+    """However far the speed carries it in a cycle: here the window is a tenth of that."""
+    law = object.__new__(Pid)
+    settings = pair_settings(pair_limits(following=0.04 * PERIOD))
+    jump = sign * 0.05 * PERIOD
+    AntagonisticPair.plan(settings, Moving(jump, 2, speed), law, PERIOD)
+    assert len(jumps) == 1
+    told, at, size, following, most, lost = jumps[0]
+    assert (told, at) == (law, 2 * PERIOD)
+    assert size == pytest.approx(jump)
+    assert (following, most) == (settings.limits.following, settings.limits.pair_force)
+    assert lost == settings.alarms.oscillation.lost
+
+
+def test_no_jump_is_one_that_is_followed_that_begins_a_motion_or_that_is_no_pairs_laws(jumps):
+    settings, law = pair_settings(pair_limits(following=1e-3)), object.__new__(Pid)
+    AntagonisticPair.plan(settings, Moving(1e-3, 2), law, PERIOD)
+    AntagonisticPair.plan(settings, Moving(5e-3, 0), law, PERIOD)
+    AntagonisticPair.plan(settings, Moving(5e-3, 2), None, PERIOD)
+    assert jumps == []
 
 
 def test_what_is_no_reference_for_a_pair_is_refused():
