@@ -1,4 +1,4 @@
-"""Friction of a joint's pairs: what strokes and tugs tell of it, and what the ball takes of them."""
+"""Friction of a joint's pairs: what strokes and tugs tell of it, and what the ball takes."""
 
 import math
 
