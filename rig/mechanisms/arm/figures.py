@@ -46,7 +46,7 @@ def draw_rates(run: RunData) -> "Figure | None":
     for axes, name, limit in zip(panels.flat, JOINTS, limits, strict=True):
         measured = run.trace(f"reading.velocity_{name}")
         commanded = run.trace(f"command.velocity_{name}")
-        draw_line(axes, t, measured, GREY, "measured", lw=0.6)
+        draw_line(axes, t, measured, GREY, "measured", lw=2.0)
         draw_line(axes, t, commanded, BLUE, "commanded", lw=0.9)
         for bound, label in ((-limit, "_"), (limit, "limit")):
             axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)), label=label)
@@ -94,7 +94,7 @@ def draw_hand(run: RunData) -> "Figure | None":
             planned = run.trace(f"plan.twist_{name}")
             asked = run.trace(f"plan.asked_{name}")
             measured = run.trace(f"reading.twist_{name}")
-            draw_line(axes, t, measured, GREY, "measured", lw=1.2)
+            draw_line(axes, t, measured, GREY, "measured", lw=2.0)
             draw_line(axes, t, planned, BLUE, "commanded, scaled by b", lw=0.9)
             draw_line(axes, t, asked, INK, "asked for by the path", lw=0.7, ls=(0, (4, 2)))
             mark_region(axes, run)
