@@ -33,8 +33,8 @@ from controllers.arm.retiming import follow_axis_path, retime_within
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import (
+    TOUCHING,
     Slowing,
-    check_start,
     check_turn_back,
     radial_share,
     turn_back,
@@ -125,14 +125,13 @@ class EscPaper(ArmLaw[EscPaperSettings]):
         sin_qs = self.region(trajectory)
         if not trajectory.turns_back:
             return self._line(trajectory, sin_qs, end)
-        check_turn_back(self.geometry, self.arm, trajectory, self.region)
         elbow = trajectory.start[2] + self.arm.elbow_angle
-        if math.sin(elbow) < 0.0:
+        if math.sin(elbow) < -TOUCHING:
             raise InfeasibleMotion(
                 f"q3 = {trajectory.start[2]:.4f} rad: with S3 < 0 the paper's b_v is -1 and the "
                 f"hand would go against its command; start with q3 > 0, or take the law esc."
             )
-        check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, 1.0))
+        check_turn_back(self.geometry, self.arm, trajectory, self.region)
         slow = self._passing(trajectory, sin_qs)
         return turn_back(self.arm, trajectory, sin_qs, 1.0, slow, self.period, end)
 
@@ -311,9 +310,7 @@ class Esc(ArmLaw[EscSettings]):
             return self._one_way(trajectory, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, self.region)
-        elbow = trajectory.start[2] + self.arm.elbow_angle
-        side = 1.0 if math.sin(elbow) > 0.0 else -1.0
-        check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, side))
+        side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0
         slow = within_limits(self.geometry)
         return turn_back(self.arm, trajectory, sin_qs, side, slow, self.period, end)
 

@@ -11,7 +11,7 @@ from controllers.arm.integration import ROUNDS, advance_joints, moved
 from controllers.arm.kinematics import Dimensions, singularity_indices, wrist_centre
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample, inside_boundary
-from controllers.arm.region import least_rate
+from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.turn_back_kernel import TurnNumbers, TurnSample, turn_on, turn_sample
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
@@ -20,7 +20,8 @@ from controllers.compiled import KernelMemory
 from controllers.motion import InfeasibleMotion, check_length
 from controllers.rounding import floor
 
-_TOUCHING = 1e-6
+TOUCHING = 1e-6
+"""Index, as it is (sine, or m), below which an arm is said to be at a singularity."""
 _TANGENTIAL = 1e-3
 _A_LITTLE = 1e-3
 """s."""
@@ -53,11 +54,12 @@ def check_turn_back(
     Raises
     ------
     InfeasibleMotion
-        No region is wide enough, or the arm starts in it; at its singularity, along the boundary.
+        No region is wide enough, or the arm starts in it; at its singularity, along the boundary;
+        at the shoulder's or the wrist's singularity.
     """
     elbow = trajectory.start[2] + arm.elbow_angle
     s3 = math.sin(elbow)
-    if abs(s3) < _TOUCHING and math.cos(elbow) > 0.0:
+    if abs(s3) < TOUCHING and math.cos(elbow) > 0.0:
         share = abs(radial_share(arm, trajectory.start, trajectory.direction))
         kind = (
             f"tangential to the boundary (its radial share is {share:.2g}): b stays 0 and the arm "
@@ -68,12 +70,15 @@ def check_turn_back(
         raise InfeasibleMotion(
             f"the arm starts at the elbow's singularity (S3 = {s3:.2g}) and the command is {kind}."
         )
-    if abs(s3) < _TOUCHING:
+    if abs(s3) < TOUCHING:
         raise InfeasibleMotion(
             f"the arm starts folded (S3 = {s3:.2g}), on no side of the elbow that a sign could be "
             f"kept of."
         )
     sin_qs = region(trajectory)
+    # Before the region: it names a speed, and at no speed may the arm start there.
+    side = math.copysign(1.0, s3)
+    check_start(arm, trajectory, elbow_scale(elbow, min(sin_qs, 1.0), side))
     widest = abs(s3) if math.cos(elbow) > 0.0 else 1.0  # the start has to be outside of it
     if sin_qs > 1.0:
         limit = geometry.rate_limits[2]
@@ -137,12 +142,12 @@ def check_start(arm: Dimensions, trajectory: StraightTrajectory, scale: Scale) -
     after = joint_rates(arm, moved(q, rates, _A_LITTLE), *trajectory.command, scale)
     for index, name, unit, joint in ((c, "shoulder", " m", 0), (s5, "wrist", "", 5)):
         greatest = max(abs(rates[joint]), abs(after[joint]))
-        if abs(index) < _TOUCHING and greatest > _AT_REST:
+        if abs(index) < TOUCHING and greatest > _AT_REST:
             symbol = "c" if joint == 0 else "S5"
             raise InfeasibleMotion(
                 f"the arm starts at the {name}'s singularity ({symbol} = {index:.2g}{unit}) and "
                 f"the command asks q{joint + 1} to turn there: it would have to jump. Start with "
-                f"|{symbol}| of more than {_TOUCHING:g}{unit}."
+                f"|{symbol}| of more than {TOUCHING:g}{unit}."
             )
 
 

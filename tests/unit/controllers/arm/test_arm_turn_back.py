@@ -241,6 +241,17 @@ def test_what_cannot_be_done_is_refused(law, path, message):
         law(path)
 
 
+@pytest.mark.parametrize("law", [paper, ours])
+def test_no_speed_is_named_where_no_speed_is_slow_enough(law):
+    """At S5 = 0 q6 would have to jump at any speed; that the region is too narrow comes second."""
+    start = (-1.412, -2.738, 2.19, 1.048, 0.0, -2.493)
+    path = TurnBack(start=start, direction=(0.54, 1.79, -1.59), speed=0.2,
+                    axis=(-0.85, -0.29, -0.3), turn_rate=-0.183)  # fmt: skip
+    tame = {"rate_limits": (1.49,) * 6}
+    with pytest.raises(InfeasibleMotion, match=r"wrist's singularity \(S5 = 0\)"):
+        law(path, **tame)
+
+
 def test_a_joint_limit_on_the_path_is_named_with_its_time():
     lower = (-3.2, -3.2, -1.0, -7.0, -3.0, -7.0)
     with pytest.raises(InfeasibleMotion, match=r"after \d+\.\d+ s q3 would be at -1\.00\d+ rad"):
