@@ -1,0 +1,36 @@
+"""What is said of a walk that asks a joint for more than it can do, before anything moves."""
+
+import re
+
+import pytest
+
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
+from controllers.gait.laws import MinimumJerkLaw, NoSettings
+from controllers.gait.motions import SquatSettings
+from controllers.gait.types import GaitModel
+from rig.mechanisms.legs.remarks import remarks_of_plan
+
+
+def squat(max_rate, speed):
+    """Return a squat's plan by the rival that bounds no rates."""
+    law = MinimumJerkLaw(NoSettings(), GaitModel(LegGeometry(max_rate=max_rate)), 1e-3)
+    return law.prepare(SquatSettings(speed=speed))
+
+
+def test_a_walk_that_keeps_the_rates_needs_no_words():
+    assert remarks_of_plan(squat(4.76, 1.0)) == ()
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+def test_the_joint_the_instant_and_the_speed_that_fits_are_told(speed):
+    plan = squat(4.76, speed)
+    limit = 0.4 * float(plan.peak_rates.max())
+    (note,) = remarks_of_plan(squat(limit, speed))
+    at, joint, peak, share = re.search(
+        r"after (\S+) s (\w+) would need (\S+) rad/s.* at (\S+) times", note.message
+    ).groups()
+    rates = plan.q_dot[:, AXIS_NAMES.index(joint)]
+    assert float(peak) == pytest.approx(float(abs(rates).max()), rel=1e-3)
+    assert abs(rates[round(float(at) / plan.period)]) == pytest.approx(float(peak), rel=1e-3)
+    assert remarks_of_plan(squat(limit, speed * float(share))) == ()
+    assert len(remarks_of_plan(squat(limit, speed * float(share) * 1.02))) == 1
