@@ -212,6 +212,18 @@ def margin(polygon: Array, points: Array) -> Array:
     return nearest
 
 
+def from_edge(inside: float) -> str:
+    """Return a `margin` in words.
+
+    Parameters
+    ----------
+    inside : float
+        m.
+    """
+    side = "inside" if inside >= 0.0 else "outside"
+    return f"{abs(inside) * 1e3:.1f} mm {side} the edge of the support"
+
+
 def _hull(points: list[tuple[float, float]]) -> Array:
     """Return the convex hull, anticlockwise (Andrew's monotone chain)."""
     ordered = sorted(set(points))

@@ -14,6 +14,7 @@ import numpy as np
 
 from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arc_lengths import Arcs, measure
+from controllers.gait.balance import from_edge
 from controllers.gait.corrections import Corrections
 from controllers.gait.fastest import fastest
 from controllers.gait.footsteps import FootstepsSettings, LegsMotion
@@ -317,12 +318,11 @@ class GaitLaw(
             what = "centre of mass" if static < bound else "zero-moment point"
             words = (
                 f"at {plan.t[worst]:.3f} s ({self._name_at(plan, worst)}) the {what} would be "
-                f"{plan.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
-                f"{bound * 1e3:g} mm"
+                f"{from_edge(plan.margin)}; the bound is {bound * 1e3:g} mm inside"
             )
             if static < bound:
                 raise InfeasibleMotion(
-                    f"{words}, and slower it would be {static * 1e3:.1f} mm at most."
+                    f"{words}, and slower it would be {from_edge(static)} at best."
                 )
             # Between the two lies what accelerations do, which go with the square of the speed.
             share = math.sqrt((static - bound) / (static - plan.margin))

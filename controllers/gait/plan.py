@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.gait.balance import (
+    from_edge,
     link_centres,
     margin,
     response_samples,
@@ -218,8 +219,7 @@ class GaitPlan:
             raise InfeasibleMotion(
                 f"with {share:g} of its speed, at {slow.t[worst]:.3f} s "
                 f"({self.phases[int(self.phase_number[worst])].phase.name}), the robot would be "
-                f"{slow.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
-                f"{settings.min_margin * 1e3:g} mm."
+                f"{from_edge(slow.margin)}; the bound is {settings.min_margin * 1e3:g} mm inside."
             )
         return slow
 

@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from controllers.gait.balance import from_edge
 from controllers.gait.corrections import Corrections
 from controllers.gait.footsteps import LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
@@ -308,7 +309,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         margin = float(plan.balance.static_margin[sample])
         return (
             f"the legs are held where they are at {t:.3f} s ({phase}); there the centre of mass is "
-            f"{margin * 1e3:.1f} mm inside the edge of the support"
+            f"{from_edge(margin)}"
         )
 
     def _end_of_motion(self) -> Vector | None:

@@ -216,16 +216,17 @@ def _of_bob(said, motion, law, geometry, period):
 
 
 def _of_balance(said, motion, law, geometry, period):
-    name, what, margin, bound, *others = said[1:]
+    name, what, margin, side, bound, *others = said[1:]
+    margin = float(margin) if side == "inside" else -float(margin)
     wrong = _of_other_speeds(others, motion, law)
     if wrong:
         return wrong
     if not _near(bound, 1e3 * law.model.balance.min_margin):
         return "the bound"
     if what == "zero-moment point":  # of the timing; that the feet bear the robot is elsewhere
-        return "" if float(margin) < float(bound) else "it is within"
+        return "" if margin < float(bound) else "it is within"
     own = 1e3 * static_margin(geometry, motion, name, period)
-    return "" if abs(own - float(margin)) < 0.2 else f"{own:.2f} mm"
+    return "" if abs(own - margin) < 0.2 else f"{own:.2f} mm"
 
 
 def static_margin(geometry, motion, name, period):
@@ -302,8 +303,10 @@ _CLAIMS = {
     r"a step of # mm with # mm of sway is out of the reach of a leg of # mm\.": _of_step,
     r"bob: a support knee of # deg would lower the waist by # mm; it is straighter without\.":
         _of_bob,
-    r"at # s \((.+)\) the (centre of mass|zero-moment point) would be # mm inside the edge of the "
-    r"support; the bound is # mm(?:, and slower it would be -?[\d.]+ mm at most)?" + _OTHER_SPEEDS:
+    r"at # s \((.+)\) the (centre of mass|zero-moment point) would be # mm (inside|outside) the "
+    r"edge of the support; the bound is # mm inside"
+    r"(?:, and slower it would be [\d.]+ mm (?:in|out)side the edge of the support at best)?"
+    + _OTHER_SPEEDS:
         _of_balance,
     r"(.+) lasts # s: less than two periods of # s\.": _of_periods,
 }  # fmt: skip
