@@ -335,6 +335,8 @@ def _judge(
         if ending.bug is not None and (sentence := blame(fault)) is not None:
             ending = broken_contract(sentence)
         events(t, "fault", str(ending.message), {"type": type(fault).__name__})
+        for note in getattr(fault, "__notes__", ()):
+            events(t, "explanation", note, {"type": type(fault).__name__})
         return ending
     if outcome.unsafe:
         unsafe = "not made safe: " + "; ".join(outcome.unsafe)

@@ -158,6 +158,8 @@ class FaultKind:
         Returns more of these, where the plant shows that it could not be helped.
     spoils_law : bool
         Whether it is felt only when the controller is followed, and is counted from then on.
+    stalls : bool
+        Whether the program sees nothing for as long as its size says.
     in_setpoints : bool
         Whether setpoints show it: not those of drives that are being enabled, which rest.
     is_rehearsable : bool
@@ -177,6 +179,7 @@ class FaultKind:
     forgives: frozenset[str] = frozenset()
     excuses: Excuse = no_excuse
     spoils_law: bool = False
+    stalls: bool = False
     in_setpoints: bool = False
     is_rehearsable: bool = False
 

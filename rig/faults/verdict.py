@@ -193,16 +193,24 @@ def _is_stopping(case: Case) -> bool:
 def how_soon(case: Case, ending: CaseEnding, subject: Subject) -> float:
     """Return how long after the first fault the rig must be made safe at the latest, s.
 
-    Each of two faults that must be seen has its own time, which begins when it is first felt.
+    Each of two faults that must be seen has its own time, which begins when it is first felt, or
+    when the program is no longer stalled by the other one.
     """
     if ending.broke_at is None:
         return inf
     fills = case.moment is Moment.ENERGISE
+    felt = [(at, item) for at, item in zip(ending.felt_at, case.breaks, strict=False)
+            if at is not None]  # fmt: skip
+    stalls = [(at, at + (item.magnitude or 0.0)) for at, item in felt if item.row.stalls]
+
+    def begins(at: float) -> float:
+        return max([at, *(end for begin, end in stalls if begin < at < end)])
+
     return min(
         (
-            felt_at - ending.broke_at + max(item.row.within, item.row.filling if fills else 0.0)
-            for felt_at, item in zip(ending.felt_at, case.breaks, strict=False)
-            if felt_at is not None and item.row.must(item.sizes, subject) is Must.SAFE
+            begins(at) - ending.broke_at + max(item.row.within, item.row.filling if fills else 0.0)
+            for at, item in felt
+            if item.row.must(item.sizes, subject) is Must.SAFE
         ),
         default=inf,
     )

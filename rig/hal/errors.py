@@ -170,9 +170,12 @@ class LimitExceeded(SafetyError):
 
     def suspecting(self, suspicion: str) -> "LimitExceeded":
         """Return the same error with a likely cause."""
-        return LimitExceeded(
+        named = LimitExceeded(
             self.quantity, self.value, self.lower, self.upper, self.unit, suspicion
         )
+        for note in getattr(self, "__notes__", ()):
+            named.add_note(note)
+        return named
 
 
 class StaleReading(SafetyError):

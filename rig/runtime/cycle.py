@@ -211,7 +211,11 @@ def _with_cause(
     now: float,
 ) -> Exception:
     """Return the error with its cause as the mechanism knows it, or as the devices doubt."""
-    found = mechanism.explain(error, state)
+    try:
+        found = mechanism.explain(error, state)
+    except Exception as failed:  # whatever fails in looking for a cause must not take its place
+        error.add_note(f"its cause could not be looked for: {failed!r}")
+        found = error
     if found is error and isinstance(error, LimitExceeded):
         doubts = [device.doubt(now) for device in devices]
         suspicion = "; ".join(doubt for doubt in doubts if doubt)

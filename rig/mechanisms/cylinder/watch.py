@@ -307,4 +307,6 @@ class PairWatch:
     def _runs(self, k: int) -> bool:
         """Return whether a rod was about as fast as permitted in the last checked cycle."""
         late = [each.extensions[k] for each in self._history][-2:]
-        return abs(late[-1] - late[0]) > _JUMP * self._limits.speed * self._step
+        if len(late) < 2:  # the first readings of all are wrong
+            return False
+        return abs(late[1] - late[0]) > _JUMP * self._limits.speed * self._step

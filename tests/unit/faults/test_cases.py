@@ -245,7 +245,8 @@ def test_what_a_plant_of_others_can_suffer_is_offered_and_repeated_with_its_fold
 
 
 DRAWN = [case for case in draw_random(SUBJECT, 21, 900) if case.then is not None]
-RUNNING = [replace(case, moment=Moment.RUN) for case in DRAWN if case.moment is not Moment.RUN]
+RUNNING = [replace(case, moment=Moment.RUN) for case in DRAWN if case.moment is not Moment.RUN
+           and not {"host_paused", "controller_slow"} & set(case.kinds)]  # fmt: skip
 
 
 def deadlines(case):
@@ -300,6 +301,18 @@ def test_each_of_two_faults_has_its_own_time(seen):
         late = verdict_after(case, wanted + 1e-3)
         assert late.late is True
         assert f"{1e3 * wanted:.0f} ms wanted" in "".join(late.wrongs())
+
+
+@pytest.mark.parametrize("stall", ["host_paused", "controller_slow"])
+def test_what_breaks_while_the_program_is_stalled_has_its_time_after_it(stall):
+    for drawn in draw_once(SUBJECT, (stall, "wire_break"), 5, 12):
+        case = replace(drawn, moment=Moment.RUN)
+        lasts, within = case.first.magnitude, case.then.row.within
+        for share in (0.05, 0.95, 1.05):
+            begins = max(share, 1.0) * lasts
+            for more, late in ((-1e-3, False), (1e-3, True)):
+                verdict = verdict_after(case, begins + within + more, (0.0, share * lasts))
+                assert verdict.late is late
 
 
 @pytest.mark.parametrize("later", [0, 1])

@@ -146,6 +146,7 @@ def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
             said = rods.watch.explain(jumps[0])
             assert (str(said).startswith("regulators: ")) is explained
             assert rods.watch.explain(jumps[1]) is jumps[1]  # its own stood
+    assert Rods().watch.explain(jumps[0]) is jumps[0]  # nothing was read before
     other = DeviceFault("regulators", "it is gone")
     rods = suspicious(2 * ran, 2 * ran)
     assert rods.watch.explain(other) is other

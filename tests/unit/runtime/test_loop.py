@@ -383,6 +383,21 @@ def test_what_the_mechanism_knows_comes_before_what_the_devices_doubt():
     assert fault_of(LIMIT, "valve is stuck", mechanism=mechanism) is mechanism.knows
 
 
+class BewilderedMechanism(FakeMechanism):
+    """Fails where it looks for a cause."""
+
+    def explain(self, error, state):
+        raise IndexError("nothing was read before")
+
+
+def test_a_search_for_the_cause_that_fails_does_not_take_its_place():
+    limit = LimitExceeded("position", 2.0, -1.0, 1.0, "m")
+    fault = fault_of(limit, "valve is stuck", mechanism=BewilderedMechanism())
+    assert str(fault) == f"{limit}; valve is stuck"
+    (note,) = fault.__notes__
+    assert note.endswith("IndexError('nothing was read before')")
+
+
 def test_a_count_of_a_bus_that_begins_to_rise_is_told_once():
     bench = Bench()
     risen = {4: 1, 5: 1, 6: 2, 7: 3, 20: 4}
