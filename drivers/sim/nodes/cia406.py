@@ -119,7 +119,8 @@ class EmulatedCia406(EmulatedNode):
         # As shipped: TPDO1 by event timer (off), TPDO2 on every SYNC.
         self.dictionary.find(0x1800, 2).default = 254
         self.dictionary.find(0x1801, 2).default = 1
-        self.add_lasting_fault("frozen")
+        self._held: float | None = None
+        self.add_fault("frozen", self._freeze)
         self.add_fault("jump", self._start_jump, self._restore_position)
         self.add_fault("other_rod", self._mount_elsewhere, self._mount_back)
         self._errors = RodFaults(name)
@@ -171,11 +172,11 @@ class EmulatedCia406(EmulatedNode):
 
     def sample_inputs(self, now: float) -> None:
         """Measure position and derive speed from the samples of the last window."""
+        position = self._measured_steps()
+        self._position.value = _saturate(position + self._offset.integer, INTEGER32.high)
         if "frozen" in self.lasting:
             self._speed.value = 0
             return
-        position = self._measured_steps()
-        self._position.value = _saturate(position + self._offset.integer, INTEGER32.high)
         samples = self._samples
         if samples and now <= samples[-1][0]:
             return
@@ -192,11 +193,14 @@ class EmulatedCia406(EmulatedNode):
         self._samples.clear()
 
     def _measured_steps(self) -> int:
-        true = self._port.position(self._channel)
-        extension = self._errors.measured(true, self.now) + self._zero
+        held = self._held if "frozen" in self.lasting else None
+        extension = (self._extension() if held is None else held) + self._zero
         if self._parameters.integer & _REVERSED:
             extension = -extension
         return round((extension + self._jump) / self._step)
+
+    def _extension(self) -> float:
+        return self._errors.measured(self._port.position(self._channel), self.now)
 
     def _check_preset(self, _: int) -> None:
         if self.state is not NmtState.PRE_OPERATIONAL:
@@ -220,6 +224,11 @@ class EmulatedCia406(EmulatedNode):
 
     def _copy_status(self) -> None:
         self.dictionary.find(0x6500, 0).value = self._parameters.value
+
+    def _freeze(self, duration: float | None) -> None:
+        """Hold what is measured now, though nobody may have asked yet, and whatever resets come."""
+        self._held = self._extension()
+        self._last_for("frozen", duration)
 
     def _start_jump(self, value: float | None) -> None:
         self._jump += 5e-3 if value is None else value

@@ -49,11 +49,26 @@ def test_the_rest_is_of_three_rods():
 
 
 def test_the_ends_of_a_cylinder_and_the_speed_of_rest_belong_to_them():
-    watch = WireBench().watch
     end = "the wire of ch1 is cut or has come off: its rod is at its end"
     for home, stroke, rod in ((1e-3, 0.06, 0.0), (2.0 - 1e-3, 2.0, 0.0)):
-        watch._limits = watch._limits._replace(home=home, stroke=stroke)
-        assert watch._explain_wire(0, 2e-3, rod, BASE) == end
+        bench = WireBench(residual=math.inf)
+        bench.watch._limits = bench.watch._limits._replace(home=home, stroke=stroke)
+        for was in (-1e-3, 0.0):
+            bench.check((was, 0.0, 0.0, 0.0))
+        assert bench.watch._explain_wire(0, 2e-3, rod, BASE) == end
+
+
+@pytest.mark.parametrize("moved", [0.0, 0.999e-3])
+def test_a_rod_that_nobody_saw_run_to_its_end_may_be_at_home_and_its_encoder_wrong(moved):
+    bench = WireBench(residual=math.inf)
+    bench.watch._limits = bench.watch._limits._replace(home=0.5e-3)
+    for was in (-moved, 0.0):
+        bench.check((was, 0.0, 0.0, 0.0))
+    said = bench.watch._explain_wire(0, 2e-3, 0.0, BASE)
+    assert said.endswith(f"at its end, or {bench.watch._encoders[0]} is wrong: it has not moved")
+
+
+def test_a_rod_that_moves_slower_than_this_is_at_rest():
     bench = WireBench(residual=math.inf)
     for rod in (0.0, 0.05 * bench.STEP):
         bench.check((rod, 0.0, 0.0, 0.0))

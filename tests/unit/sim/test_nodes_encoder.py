@@ -101,6 +101,17 @@ def test_frozen_encoder_repeats_its_position(bench):
     assert sample(bench)[0] == before + 5000
 
 
+def test_an_encoder_that_nobody_has_asked_yet_freezes_where_it_is(bench):
+    bench.rig.inject("agonist", "frozen")
+    bench.plant.positions[0] += 0.005
+    bench.run()
+    assert bench.read(AGONIST, 0x6004) == 10_000
+    assert bench.write(AGONIST, 0x6000, 0, 0x000C, 2) == 0
+    assert bench.read(AGONIST, 0x6004) == (-10_000) % 2**32
+    bench.rig.inject("agonist", "repair")
+    assert bench.read(AGONIST, 0x6004) == (-15_000) % 2**32
+
+
 def test_jump(bench):
     start_fast(bench)
     before = sample(bench)[0]

@@ -289,7 +289,11 @@ class WireWatch:
         name, limits = self._channels[k], self._limits
         extension = limits.home - rod
         if not _END < extension < limits.stroke - _END:
-            return f"the wire of {name} is cut or has come off: its rod is at its end"
+            cut = f"the wire of {name} is cut or has come off: its rod is at its end"
+            seen = [reading.rods[k] for reading in self._history]
+            if max(seen) - min(seen) < _END:  # nobody saw it run there
+                return f"{cut}, or {self._encoders[k]} is wrong: it has not moved"
+            return cut
         if abs(self._speed(k)) > _AT_REST or pressure < limits.least_pull:
             return f"the wire of {name} is slack or cut, by {off * 1e3:.2f} mm"
         return (
