@@ -8,7 +8,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -115,12 +115,22 @@ class GaitLaw(
         self._number = 0
         self._cycle = 0
         self._started = False
+        self._finer: Self | None = None
         self.corrections = Corrections(model, period)
         """What is added to the plan; nothing, unless the model asks for it."""
 
     @abstractmethod
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
         """Return what gives each phase of a motion at this speed its time law."""
+
+    def finer(self, period: float) -> Self:
+        """Return the same law at a period (s) at which a motion has to be accepted, too.
+
+        A speed that a refusal of either names is then one that both accept.
+        """
+        other = self.at_period(period)
+        self._finer, other._finer = other, self
+        return other
 
     def prepare(self, motion: LegsMotion) -> GaitPlan:
         """Work out a whole motion and check it; nothing moves.
@@ -139,7 +149,9 @@ class GaitLaw(
             words = (
                 f"{error}; {self._fitting(motion, error)}." if isinstance(error, TooQuick) else ""
             )
-            self._schedule = ()  # what was refused must not run
+            for law in (self, self._finer):
+                if law is not None:
+                    law._schedule = ()  # what was refused must not run
             if words:
                 raise InfeasibleMotion(words) from error
             raise
@@ -178,10 +190,13 @@ class GaitLaw(
 
     def _accept(self, motion: LegsMotion) -> None:
         """Raise as `prepare` would: what is to be as fast as it can keeps the rates, too."""
-        if isinstance(motion, WalkSettings | FootstepsSettings) and motion.fastest:
-            self._prepare_within_rates(motion)
-        else:
-            self._prepare(motion)
+        for law in (self, self._finer):
+            if law is None:
+                continue
+            if isinstance(motion, WalkSettings | FootstepsSettings) and motion.fastest:
+                law._prepare_within_rates(motion)
+            else:
+                law._prepare(motion)
 
     def _prepare_within_rates(self, motion: LegsMotion) -> GaitPlan:
         plan = self._prepare(motion)

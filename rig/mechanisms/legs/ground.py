@@ -41,10 +41,16 @@ def prints_off_ground(geometry: LegGeometry, reference: object, plant: object) -
         ground = _height(terrain, step.x)
         if abs(step.height - ground) > _OFF:
             return (
-                f"step {number} is planned to land {step.height * 1e3:.4g} mm above the start, and "
-                f"the simulated ground is at {ground * 1e3:.4g} mm there (plant.terrain)",
+                f"step {number} is planned to land {_words(step.height)}, and the simulated ground "
+                f"there is {_words(ground)} (plant.terrain)",
             )
     return ()
+
+
+def _words(height: float) -> str:
+    if height == 0.0:
+        return "level with the start"
+    return f"{abs(height) * 1e3:.4g} mm {'above' if height > 0.0 else 'below'} the start"
 
 
 def _height(terrain: Iterable[_Block], ahead: float) -> float:

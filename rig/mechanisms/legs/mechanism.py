@@ -107,8 +107,9 @@ def _planned(
         return plan if share == 1.0 else plan.stretched(share, settings.balance)
 
     asked_time = sum(phase.duration for phase in reference.phases(settings.geometry))
-    finer = min(max(_FINE, asked_time / _FINE_SAMPLES), period)
-    fine = stretched(law.at_period(share * finer).prepare(reference))
+    step = share * min(max(_FINE, asked_time / _FINE_SAMPLES), period)
+    finer = law.finer(step) if isinstance(law, GaitLaw) else law.at_period(step)
+    fine = stretched(finer.prepare(reference))
     flat = None
     if reference.bob is not None:
         flat = stretched(

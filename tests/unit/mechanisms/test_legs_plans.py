@@ -1,0 +1,67 @@
+"""A walk is planned twice, at the loop's period and finely: what is said holds for both."""
+
+import re
+from types import SimpleNamespace
+
+import pytest
+
+from controllers.gait.footstep_numbers import StepNumbers
+from controllers.gait.footsteps import FootstepsSettings
+from controllers.gait.geometry import LegGeometry
+from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
+from controllers.gait.types import GaitModel
+from controllers.motion import InfeasibleMotion
+from rig.mechanisms.legs.ground import prints_off_ground
+from rig.mechanisms.legs.mechanism import Legs
+from rig.mechanisms.legs.settings import LegsSettings
+from rig.mechanisms.servo.settings import ServoLimits
+
+PERIOD = 5e-3
+SETTINGS = LegsSettings(("servo",), ServoLimits())
+
+
+def sideways(speed, aside=12.263e-3):
+    numbers = StepNumbers(count=2, length=0.0, aside=-aside, together=True)
+    return FootstepsSettings(
+        numbers=numbers, first_shift_time=3.0, shift_time=2.72, swing_time=2.17, speed=speed
+    )
+
+
+def plan(speed):
+    law = LimitedNormLaw(LimitedNormSettings(), GaitModel(LegGeometry()), PERIOD)
+    return Legs.plan(SETTINGS, sideways(speed), law, PERIOD)
+
+
+def test_a_speed_that_is_named_is_accepted_at_both_periods():
+    """Finely the zero-moment point is elsewhere: a speed that the loop bears may be refused."""
+    with pytest.raises(InfeasibleMotion, match="zero-moment point") as refused:
+        plan(2.855)
+    (speed,) = re.findall(r"at a speed of (\S+) instead", str(refused.value))
+    assert plan(float(speed)).plan.margin >= SETTINGS.balance.min_margin
+
+
+def test_nothing_of_a_refused_walk_is_left_to_run():
+    law = LimitedNormLaw(LimitedNormSettings(), GaitModel(LegGeometry()), PERIOD)
+    finer = law.finer(1e-3)
+    law.prepare(sideways(1.0))
+    with pytest.raises(InfeasibleMotion):
+        finer.prepare(sideways(2.855))
+    for each in (law, finer):
+        with pytest.raises(RuntimeError, match="before it prepared a motion"):
+            each.update(None, SimpleNamespace(follow=True))
+
+
+@pytest.mark.parametrize(
+    ("rise", "ground", "said"),
+    [
+        (-0.012, 0.0, "12 mm below the start, and the simulated ground there is level with"),
+        (0.012, -0.02, "12 mm above the start, and the simulated ground there is 20 mm below the"),
+        (0.0, 0.01, "level with the start, and the simulated ground there is 10 mm above the"),
+    ],
+)
+def test_a_print_off_the_simulated_ground_is_told_as_above_or_below(rise, ground, said):
+    numbers = StepNumbers(count=1, length=0.1, rise=rise, together=True)
+    block = SimpleNamespace(start=0.05, length=1.0, height=ground, slope=0.0)
+    plant = SimpleNamespace(terrain=(block,))
+    (note,) = prints_off_ground(LegGeometry(), FootstepsSettings(numbers=numbers), plant)
+    assert said in note
