@@ -7,6 +7,7 @@ from rig.faults import (
     frame_kinds,
     interface_kinds,
     program_kinds,
+    servo_kinds,
     valve_kinds,
     world_kinds,
 )
@@ -27,6 +28,7 @@ KINDS = {
     for kind in (
         NOTHING,
         *world_kinds.KINDS,
+        *servo_kinds.KINDS,
         *interface_kinds.KINDS,
         *valve_kinds.KINDS,
         *body_kinds.KINDS,
@@ -44,7 +46,7 @@ _NEEDS = (
     (world_kinds.SENSORS, "a linear encoder that knows it"),
     (world_kinds.CAMERAS, "a camera"),
     (world_kinds.NODES, "a device that knows it: what its protocol has no word for, it cannot do"),
-    (world_kinds.SERVOS, "a drive that knows it: what its protocol has no word for, it cannot do"),
+    (servo_kinds.KINDS, "a drive that knows it: what its protocol has no word for, it cannot do"),
     (world_kinds.SURROUNDINGS, "a robot that stands, or has a hand"),
     (interface_kinds.KINDS, "an interface of that kind"),
     (frame_kinds.KINDS, "cyclic CAN frames"),

@@ -39,6 +39,16 @@ def lets_fall(plight: Plight) -> frozenset[str]:
     return frozenset({"fall"}) if bears and helpless else frozenset()
 
 
+def drops_a_leg(plight: Plight) -> frozenset[str]:
+    """Forgive a fall where the one leg that bears has a joint without torque.
+
+    On both feet the other leg holds.
+    """
+    leg = plight.place.axis.partition("_")[0]
+    loads = {name for name, load in plight.truth.items() if name.startswith("load_") and load > 0.0}
+    return frozenset({"fall"}) if loads == {f"load_{leg}"} else frozenset()
+
+
 def lets_fall_unseen(plight: Plight) -> frozenset[str]:
     """Forgive a fall as `lets_fall` does, and where the axis rested until the program ended."""
     return frozenset({"fall", "rate"}) if plight.moved < _SHOWS else lets_fall(plight)

@@ -1,4 +1,4 @@
-"""What may break in the world: plants, regulators, encoders, servos and cameras.
+"""What may break in the world: plants, regulators, encoders and cameras.
 
 The simulation says what each of its parts can suffer; a rig gets the rows of the parts that it
 has. A row says what must come of it while the rig runs.
@@ -11,11 +11,8 @@ from rig.faults.excuses import (
     ON_A_WIRE,
     TUBE,
     empties_at_once,
-    falls,
     fills_alone,
     has_valves,
-    lets_fall_far,
-    lets_fall_unseen,
     overpowers,
     overpowers_wires,
     pulls_alone,
@@ -303,58 +300,6 @@ NODES = (
     of_device("sdo_silent", "A device answers no SDO.", ride),
 )  # fmt: skip
 
-SERVOS = (
-    of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1),
-    of_device("drive_stuck", "A drive does not follow any more.", either, 1.0, fault="stuck",
-               why="an axis that is not asked to move does not show it"),
-    of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
-               fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True),
-               why="a servo that holds by position alone turns by what is outside its limits",
-               excuses=lets_fall_far),
-    of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
-               0.2, fault="encoder_frozen", excuses=lets_fall_unseen,
-               why="at rest nobody can tell; in motion it is seen within 50 ms"),
-    of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
-               0.2, fault="encoder_mirrored", excuses=lets_fall_unseen,
-               why="at rest nobody can tell; in motion it is seen within 50 ms"),
-    of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
-               fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
-               why="slower than 0.04 rad/s, or in motion, the motor's velocity does not show it"),
-    of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
-               1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
-               why="the loop follows it: nothing in the drive says where the joint is"),
-    of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
-               fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"),
-               why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
-    of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
-    of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
-    of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
-    of_device("disarm", "An axis goes idle unasked.", safe, 0.1),
-    of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
-    of_device("corrupted", "A servo's answers come with a wrong bit.", outlasts_readings, 0.2,
-               lasts=MOMENT, why="as a gap"),
-    of_device("truncated", "A servo's answers break off.", outlasts_readings, 0.2,
-               lasts=MOMENT, why="as a gap"),
-    of_device("doubled", "A servo answers twice.", either, 0.2, lasts=MOMENT,
-               why="the second answer is not asked for"),
-    of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=MOMENT,
-               why="a joint that is not asked to move does not show it"),
-    of_device("same_id", "Two servos have one id.", safe, 0.5),
-    of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
-    of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),
-    of_device("undervoltage", "A servo lacks voltage.", safe, 0.5),
-    of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5),
-    of_device("shock", "A servo reports an electrical shock.", safe, 0.5),
-    of_device("overloaded", "A servo is overloaded.", safe, 0.5),
-    of_plant("blocked", "Something is in an axis' way.", either, 1.0,
-              why="an axis that is not asked to move does not show it"),
-    of_plant("brake_released", "A brake does not hold.", ride,
-              why="its drive holds the joint; only one without torque falls, and nobody holds it",
-              excuses=falls),
-    row_of("payload", "A load hangs on the hand.", partial(whole, "payload", ()), either,
-          magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
-)  # fmt: skip
-
 CAMERAS = tuple(
     of_device(f"camera_{name}", what, either, 1.0, ("camera", "marker", "image"), fault=fault,
                why=_CAMERA, magnitude=magnitude, lasts=lasts)
@@ -395,5 +340,5 @@ SURROUNDINGS = (
 )  # fmt: skip
 
 KINDS = (
-    *PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *SURROUNDINGS,
+    *PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SURROUNDINGS,
 )  # fmt: skip

@@ -177,7 +177,7 @@ TREAD = "{foot: left, x: 100 mm, y: 39 mm, height: 10 mm}"
         (
             "legs-footsteps",
             [f"reference.steps=[{TREAD}]"],
-            [r"step 1 is planned to land 10 mm .* at 0 mm there \(plant.terrain\)"],
+            [r"step 1 is planned to land 10 mm above .* level with the start \(plant.terrain\)"],
         ),
         (
             "legs-footsteps",

@@ -24,6 +24,7 @@ from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.remarks import remarks_of_plan
 from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
+from rig.mechanisms.legs.stance import check_stance
 from rig.mechanisms.servo.axes import AxisLimits, Kinds
 from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
@@ -241,6 +242,13 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedGait) else None
+
+    def check_still(self, home: LegsReference) -> None:
+        """Raise if legs that are to walk cannot stand as their encoders say, at `home`."""
+        bound = self.settings.start_tilt
+        if bound is not None and self.motion is not None:
+            begins = self.motion.at(0.0).positions
+            check_stance(self.settings.geometry, home.positions, begins, bound)
 
     def read(self, now: float) -> LegsState:
         """Assemble the state of joints and sensors; see `Mechanism.read`."""

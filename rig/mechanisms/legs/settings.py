@@ -73,6 +73,9 @@ class LegsSettings(ServoSettings):
         How what these feel corrects the planned posture; None: they are only logged.
     sag : SagSettings, optional
         How the servos' sag is compensated; None: not at all. It needs no sensor.
+    start_tilt : float, optional
+        Greatest angle between the soles, by the encoders, from which a walk begins, rad. None:
+        the legs hang, and nothing is known of them.
     """
 
     geometry: LegGeometry = field(default_factory=LegGeometry)
@@ -83,6 +86,7 @@ class LegsSettings(ServoSettings):
     inertial: str | None = None
     stabiliser: StabiliserSettings | None = None
     sag: SagSettings | None = None
+    start_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, le=3.0)] | None = 0.07
 
     def __post_init__(self) -> None:
         with Rules() as rule:

@@ -44,6 +44,18 @@ def test_only_a_leg_that_bears_on_a_servo_with_one_loop_may_fold(kind, seed):
     assert row.excuses(case) == frozenset()
 
 
+@pytest.mark.parametrize("kind", ["overheated", "overloaded", "drive_fault", "safe_torque_off"])
+def test_a_leg_that_bears_alone_folds_without_torque_and_not_beside_the_other(kind):
+    chance = random.Random(kind)
+    for bears, both, forgiven in (
+        (True, False, {"fall"}), (False, False, set()), (True, True, set()), (False, True, set()),
+    ):  # fmt: skip
+        row, case = plight(chance, kind, bears=bears)
+        stands = {name: load or 20.0 for name, load in case.truth.items()}
+        assert row.excuses(case._replace(truth=stands) if both else case) == forgiven
+    assert row.excuses(case._replace(truth={"position": 0.0})) == frozenset()
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_wide_tube_off_is_a_cut_wire_while_another_chamber_pulls(seed):
     chance = random.Random(seed)
