@@ -7,7 +7,8 @@ from rig.faults.kind import Magnitudes, either, ride, safe
 from rig.faults.world_kinds import MOMENT, of_device, of_plant, outlasts_readings, row_of, whole
 
 KINDS = (
-    of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1, excuses=drops_a_leg),
+    of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1,
+               excuses=drops_a_leg),
     of_device("drive_stuck", "A drive does not follow any more.", either, 1.0, fault="stuck",
                why="an axis that is not asked to move does not show it"),
     of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
@@ -29,9 +30,11 @@ KINDS = (
     of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
                fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"),
                why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
-    of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1, excuses=drops_a_leg),
+    of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1,
+               excuses=drops_a_leg),
     of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
-    of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1, excuses=drops_a_leg),
+    of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1,
+               excuses=drops_a_leg),
     of_device("disarm", "An axis goes idle unasked.", safe, 0.1, excuses=drops_a_leg),
     of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
     of_device("corrupted", "A servo's answers come with a wrong bit.", outlasts_readings, 0.2,
@@ -43,7 +46,8 @@ KINDS = (
     of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=MOMENT,
                why="a joint that is not asked to move does not show it"),
     of_device("same_id", "Two servos have one id.", safe, 0.5),
-    of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5, excuses=drops_a_leg),
+    of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5,
+               excuses=drops_a_leg),
     of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),
     of_device("undervoltage", "A servo lacks voltage.", safe, 0.5, excuses=drops_a_leg),
     of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5, excuses=drops_a_leg),
