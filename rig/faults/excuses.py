@@ -76,11 +76,12 @@ def overpowers(plight: Plight) -> frozenset[str]:
 def overpowers_wires(plight: Plight) -> frozenset[str]:
     """Forgive what a push does that is stronger than the chambers: the mechanical stop bears it.
 
-    Empty ones hold nothing.
+    Empty ones hold nothing, and a rod that is thrown in compresses what is in its chamber.
     """
     pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
     too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES
-    return ON_A_WIRE if too_much or min(pressures) < _HOLDS else frozenset()
+    is_thrown = too_much or min(pressures) < _HOLDS
+    return ON_A_WIRE | {"energy left"} if is_thrown else frozenset()
 
 
 def pulls_alone(plight: Plight) -> frozenset[str]:

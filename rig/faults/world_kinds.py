@@ -121,6 +121,11 @@ def _rides_up_to(most: float) -> Expect:
     return lambda sizes, subject: Must.RIDE if abs(sizes.magnitude or 0.0) <= most else Must.EITHER
 
 
+def _is_below_rest(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that a pressure is missed which all chambers have where they rest."""
+    return Must.SAFE if (sizes.magnitude or 0.0) < subject.base_pressure else Must.EITHER
+
+
 HARMLESS_HAND_PUSH = 0.5
 """N s, 5 N for a tenth of a second: what a cable on the hand does."""
 
@@ -241,8 +246,9 @@ PNEUMATIC = (
     of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
               forgives=ON_A_WIRE),
     row_of("supply_lost", "The supply falls to another pressure.",
-          partial(whole, "supply_lost", ("supply", "regulator")), is_felt(0.0), 0.3,
-          magnitude=Magnitudes(1e3, 100e3, "Pa")),
+          partial(whole, "supply_lost", ("supply", "regulator")), _is_below_rest, 0.3,
+          magnitude=Magnitudes(1e3, 100e3, "Pa"),
+          why="a supply above the pressure at rest shows where more than it gives is asked for"),
     of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
               ("regulator",), why="as a regulator that holds its pressure, or a spool that "
               "stays where it is", excuses=fills_alone),

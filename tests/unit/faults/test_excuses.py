@@ -57,6 +57,26 @@ def test_a_leg_that_bears_alone_folds_without_torque_and_not_beside_the_other(ki
 
 
 @pytest.mark.parametrize("seed", range(5))
+def test_a_supply_that_is_more_than_chambers_rest_at_need_not_be_missed(seed):
+    chance = random.Random(seed)
+    row, case = plight(chance, "supply_lost", bears=True)
+    base = chance.uniform(40e3, 99e3)
+    subject = replace(case.subject, base_pressure=base)
+    for supply, must in ((base - 1.0, Must.SAFE), (base + 1.0, Must.EITHER)):
+        assert row.must(Sizes(supply, math.inf), subject) is must
+
+
+@pytest.mark.parametrize("kind", ["carriage_push", "ring_push"])
+def test_who_throws_a_rod_compresses_what_is_in_its_chamber(kind):
+    row, case = plight(random.Random(kind), kind, bears=True, size=0.5)
+    full, empty = {"pressure_ch1": 60e3, "pressure_ch2": 51e3}, {"pressure_ch1": 1e3}
+    assert row.excuses(case._replace(truth=full)) == frozenset()
+    assert "energy left" in row.excuses(case._replace(truth=empty))
+    hard = case._replace(truth=full, sizes=Sizes(2.1, math.inf))
+    assert "energy left" in row.excuses(hard)
+
+
+@pytest.mark.parametrize("seed", range(5))
 def test_a_wide_tube_off_is_a_cut_wire_while_another_chamber_pulls(seed):
     chance = random.Random(seed)
     row = kind_named("leak")
