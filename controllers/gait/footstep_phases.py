@@ -319,7 +319,13 @@ def _what_fits(
     for times in (1.25, 1.5, 2.0, 3.0, 5.0) if low else ():
         lift = 1e-3 * math.ceil(1e3 * times * (asked.lift or settings.lift))  # as it is said
         if lift <= 0.3 and fits(replace(asked, lift=lift)):
-            return f" With a lift of {lift * 1e3:.0f} mm step {number} by itself would fit."
+            if asked.lift is None:
+                return f" With a lift of {lift * 1e3:.0f} mm step {number} by itself would fit."
+            # The lift of all others has no say in it, and is not pointed at.
+            return (
+                f" Lifted by {lift * 1e3:.0f} mm instead of its own {asked.lift * 1e3:.4g} mm "
+                f"step {number} by itself would fit."
+            )
     # Not all that is less fits: on the edge of a tread a short step is none.
     shares = (1.0 - _LEAST * k for k in range(1, round(1.0 / _LEAST)))
     share = next((share for share in shares if fits(part(share))), None)

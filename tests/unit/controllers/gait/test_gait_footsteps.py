@@ -177,6 +177,12 @@ REFUSED = {
         HERE + r"1\d % .* right sole would be [\d.]+ mm below where it is to stand\. "
         r"With a lift of \d+ mm step \d by itself would fit\.",
     ),
+    "into a tread with a lift of its own": (
+        (Footstep("right", 0.1, -0.039, height=0.015, lift=0.012),),
+        {"lift": 0.01},
+        HERE + r"1\d % .* right sole would be [\d.]+ mm below where it is to stand\. "
+        r"Lifted by \d+ mm instead of its own 12 mm step \d by itself would fit\.",
+    ),
     "nowhere": (
         (Footstep("right", 0.0, -0.039),),
         {},
