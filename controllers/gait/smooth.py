@@ -26,6 +26,7 @@ from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import GaitModel
 from controllers.motion import InfeasibleMotion
 from controllers.reachable_speeds import reachable
+from controllers.rounding import ceiling
 
 Array = NDArray[np.float64]
 
@@ -225,8 +226,8 @@ def _least_peak(
     if fastest[-1] > duration:
         raise InfeasibleMotion(
             f"with no joint faster than {max_rate:.4g} rad/s nor accelerated by more than "
-            f"{allowed:.4g} rad/s^2 the phase needs at least {fastest[-1]:.4g} s instead of "
-            f"{duration:.4g} s."
+            f"{allowed:.4g} rad/s^2 the phase needs at least "
+            f"{ceiling(float(fastest[-1])):.4g} s instead of {duration:.4g} s."
         )
     # No rate can be less than the farthest joint's way over the time.
     ways = np.abs(curve.tangent[:-1] + curve.tangent[1:]) * np.diff(curve.s)[:, None] / 2.0

@@ -15,6 +15,7 @@ from controllers.gait.arc_lengths import Arcs
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.minimum_jerk import minimum_jerk
 from controllers.motion import InfeasibleMotion
+from controllers.rounding import ceiling
 
 
 class PaceSummary(NamedTuple):
@@ -228,7 +229,8 @@ class TrapezoidNormPace:
             raise InfeasibleMotion(
                 f"the joint rates would reach a norm of {self._norm_rate:.4g} rad/s, at which one "
                 f"joint passes its limit ({most:.4g} rad/s); the phase needs at least "
-                f"{arcs.joint_length / most + self._ramp:.4g} s instead of {duration:.4g} s."
+                f"{ceiling(arcs.joint_length / most + self._ramp):.4g} s instead of "
+                f"{duration:.4g} s."
             )
 
     def advance(self, curve: PhaseCurve, cycle: int) -> None:

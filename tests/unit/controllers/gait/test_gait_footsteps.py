@@ -19,6 +19,7 @@ from controllers.gait.laws import (
     TrapezoidNormLaw,
     TrapezoidNormSettings,
 )
+from controllers.gait.smooth import SmoothLaw, SmoothSettings
 from controllers.motion import InfeasibleMotion
 
 OFF = 1e-6
@@ -343,3 +344,22 @@ def test_the_speed_that_is_named_is_the_greatest_within_a_hundredth():
     law.prepare(replace(motion, speed=named))
     with pytest.raises(InfeasibleMotion):
         law.prepare(replace(motion, speed=1.01 * named))
+
+
+@pytest.mark.parametrize("far", [0.02, 0.025, 0.03, 0.035])
+def test_the_time_that_a_swing_is_said_to_need_is_not_said_to_be_too_short(far):
+    """Rounded to the nearest it would be refused with its own number, and again."""
+
+    def said(swing_time):
+        law = SmoothLaw(SmoothSettings(), model(), 1e-3)  # as motions are planned
+        steps = (Footstep("right", far, -0.039),)
+        try:
+            law.prepare(FootstepsSettings(steps=steps, swing_time=swing_time))
+        except InfeasibleMotion as refused:
+            words = r"swing right 1: .* more than (\S+) rad/s\^2 .* at least (\S+) s instead"
+            return re.search(words, str(refused)).groups()
+        return None
+
+    bound, needed = said(1.0)
+    again = said(float(needed))
+    assert again is None or again[0] != bound
