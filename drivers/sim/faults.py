@@ -22,7 +22,7 @@ class ScheduledFault(Protocol):
         """One of the faults that it knows."""
 
     @property
-    def value(self) -> float | None:
+    def size(self) -> float | None:
         """What the fault's description says, SI."""
 
 
@@ -69,7 +69,7 @@ class FaultSchedule:
         """Make every fault happen that is due at `t` (s) and has not happened."""
         while self._waiting and self._waiting[-1].at <= t:
             entry = self._waiting.pop()
-            self._targets[entry.device].inject(entry.fault, entry.value)
+            self._targets[entry.device].inject(entry.fault, entry.size)
 
 
 class FaultyWorld:

@@ -45,8 +45,8 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
 
 def announcement(plan: Plan) -> Iterator[str]:
     """Yield what will move, how far, and its limits."""
-    from rig.config.formats import format_quantity
     from rig.experiment.extent import extent_of
+    from rig.hal.formats import format_quantity
 
     experiment, rig = plan.experiment, plan.profile.name
     yield (

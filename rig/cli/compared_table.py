@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rig.config.formats import unit_for_people
+from rig.hal.formats import unit_for_people
 
 if TYPE_CHECKING:
     from rig.report.comparison import ComparisonRow

@@ -12,7 +12,7 @@ from rig.cli.loops import loop_table
 from rig.cli.tables import Table
 from rig.config.calibration import HARDWARE
 from rig.config.calibration_state import CalibrationState, calibration_states
-from rig.config.formats import format_against, format_quantity
+from rig.hal.formats import format_against, format_quantity
 
 if TYPE_CHECKING:
     from rig.config import DeviceEntry, Profile

@@ -73,7 +73,7 @@ def show(one: RunFolder, other: RunFolder, *, as_json: bool = False) -> int:
 
 
 def _row(metric: MetricChange) -> tuple[str, ...]:
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
 
     unit = metric.unit or "1"
     values = (metric.first, metric.second, metric.second - metric.first)

@@ -190,7 +190,7 @@ def _run_row(run: RunEntry) -> tuple[str, ...]:
 def _metric_text(metric: MetricRow | None) -> str:
     if metric is None:
         return "-"
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
 
     value, unit = metric["value"], metric["unit"] or "1"
     nothing = "NaN" if metric.get("is_nan") else "never"

@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from rig.cli.tables import Table
-from rig.config.formats import format_quantity
+from rig.hal.formats import format_quantity
 
 if TYPE_CHECKING:
     from rig.config import Profile

@@ -249,7 +249,7 @@ class _Viewer:
 
 def _text_line(t: float, frame: Any, decoded: Any, widths: Sequence[int]) -> str:
     from rig.assembly.decoding import hexadecimal
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
 
     parts = [decoded.text] if decoded.text else []
     for value in decoded.values:

@@ -110,7 +110,7 @@ def _verify(recorded: RecordedRun, explains: bool, from_frames: bool, as_json: b
 
 
 def _ask(path: Path, options: list[str], out: Path, as_json: bool) -> int:
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
     from rig.replaying.open_loop import answer, draw
     from rig.replaying.recorded import open_recorded, plan_of
     from rig.report.data import imprint_of

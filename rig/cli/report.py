@@ -76,7 +76,7 @@ def _compare(path: Path, other: Path | None, rehearse: bool) -> Beside | None:
 
 
 def _table(residuals: Sequence[Residual]) -> Table:
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
 
     rows = [
         (one.name, *(format_quantity(value, one.unit) for value in (one.rms, one.greatest)))

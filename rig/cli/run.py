@@ -203,7 +203,7 @@ def as_data(result: Result) -> dict[str, object]:
 
 def show(result: Result) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
-    from rig.config.formats import format_against
+    from rig.hal.formats import format_against
     from rig.run_facts import LOG, REPORT, RunStatus
 
     if result.message is not None:

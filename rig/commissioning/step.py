@@ -5,8 +5,8 @@ from math import inf
 from typing import NamedTuple, Protocol
 
 from rig.commissioning.site import Site
-from rig.config.formats import format_quantity
 from rig.hal import DeviceError
+from rig.hal.formats import format_quantity
 
 
 class MeasuredValue(NamedTuple):

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from rig.config.diagnostics import ProfileError
     from rig.config.dump import dump_resolved
     from rig.config.experiment import EXPERIMENT_KEYS, load_experiment
-    from rig.config.formats import format_against, format_quantity, format_to
     from rig.config.models import (
         BusEntry,
         DeviceEntry,
@@ -23,10 +22,10 @@ if TYPE_CHECKING:
     from rig.config.profile import PROFILE_KEYS, load_profile, rig_name
     from rig.config.schema import experiment_schema, profile_schema
     from rig.config.simulation_models import Perturbation, SimulationSettings
+    from rig.hal.formats import format_against, format_quantity, format_to
 
 _MODULES = (
     "names",
-    "formats",
     "simulation_models",
     "models",
     "diagnostics",
@@ -48,7 +47,8 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     if name in __all__:
-        for module in map(import_module, (f"{__name__}.{home}" for home in _MODULES)):
+        homes = ("rig.hal.formats", *(f"{__name__}.{home}" for home in _MODULES))
+        for module in map(import_module, homes):
             if name in vars(module):
                 return vars(module)[name]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,10 +8,10 @@ from typing import get_args
 from pydantic_core import ErrorDetails
 
 from rig.config.diagnostics import Problems, nearest, shown
-from rig.config.formats import format_quantity
 from rig.config.located import BROKEN, Node
 from rig.config.quantities import usual_units
 from rig.config.type_hints import hint_at, is_union, split_annotated, unit_of
+from rig.hal.formats import format_quantity
 from rig.hal.rules import told_by
 
 _SCALARS = {float: "a number", int: "a whole number", bool: "true or false", str: "text"}

@@ -5,6 +5,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Interval, MinLen, Unit
 
+from rig.config.quantities import parse_any_quantity
+
 
 @dataclass(frozen=True, slots=True)
 class FaultSpec:
@@ -13,19 +15,35 @@ class FaultSpec:
     Parameters
     ----------
     at : float
-        When, seconds after the start.
+        When, s after the simulated world began. The log's clock begins when all devices are
+        connected, some 0.1 s later; what happened by then is among its events.
     device : str
         The device or bus that it befalls.
     fault : str
         What; the emulated device knows the names.
-    value : float, optional
-        How much, in SI, where the fault takes a value.
+    value : float or str, optional
+        How much, where the fault takes a value: a number in SI, or with its unit.
+
+    Raises
+    ------
+    ValueError
+        The value is no quantity.
     """
 
     at: Annotated[float, Unit("s"), Ge(0)]
     device: str
     fault: Annotated[str, MinLen(1)]
-    value: float | None = None
+    value: float | str | None = None
+
+    def __post_init__(self) -> None:
+        _ = self.size
+
+    @property
+    def size(self) -> float | None:
+        """How much, SI."""
+        if isinstance(self.value, str):
+            return parse_any_quantity(self.value)[0]
+        return self.value
 
 
 @dataclass(frozen=True, slots=True)

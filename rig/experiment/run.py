@@ -25,6 +25,7 @@ from rig.experiment.ending import (
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
+from rig.experiment.injected import faults_that_came
 from rig.experiment.metrics import Metric, all_passed
 from rig.experiment.new_folder import create_folder, log_columns
 from rig.experiment.permission import check_permitted
@@ -283,6 +284,10 @@ def _run(
                         progress=watcher.progressed,
                         progress_every=watcher.progress_every,
                     )
+        if rig.backend.is_simulated and loop.phases is not None and loop.t is not None:
+            faults = plan.profile.simulation.faults
+            for t, sentence, data in faults_that_came(faults, loop.phases.start, loop.t):
+                events(t, "injected", sentence, data)
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
         for kind, sentence, data in said:

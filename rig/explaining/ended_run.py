@@ -5,19 +5,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
-from rig.config.formats import format_against
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
+from rig.hal.formats import format_against
 from rig.run_facts import RunStatus, read_events, read_metrics
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
-_RECENT = 60.0
+_RECENT = 10.0
 """A run that ended less long ago (s) is the one that whoever asks means."""
 _UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"))
 _PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
@@ -59,21 +59,21 @@ def explain_run(folder: Path) -> list[Remark]:
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
     said += [Remark(_DIAGNOSIS, sentence) for sentence in _diagnoses(folder)]
+    rig = _rig_of(folder) or manifest.get("rig")
     if status == RunStatus.FAILED:
-        return [*said, *_missed(folder)]
+        return [*said, *_missed(folder), *_after_missing(rig)]
     if status == RunStatus.OK:
         return [*said, Remark("means", "It went well; `rig report` draws it again.")]
     if status == RunStatus.ABORTED:
         return [*said, Remark("means", "Somebody stopped it, and the rig was made safe.")]
-    told = [*_diagnoses(folder), message or ""]  # what looked longest knows best
-    if message and (topic := topic_of(message)) is not None and topic.name in _SEEN:
+    told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
+    if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
         told.reverse()
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
         known = EXIT_CODES.get(str(code), "")
         means = f"{known} `rig export RUN --format csv` holds every quantity to the last cycle."
         return [*said, Remark("means", means.strip().replace("RUN", folder.name))]
-    rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
 
@@ -116,6 +116,23 @@ def _diagnoses(folder: Path) -> list[str]:
     return [event["message"] for event in events if event.get("kind") == _DIAGNOSIS]
 
 
+def _cause_in(message: str) -> str:
+    """Return a message without what it was before its cause was found: it ends in that."""
+    head, found, _ = message.rpartition(" (")
+    return head if found and message.endswith(")") and topic_of(head) is not None else message
+
+
+def _suspected(folder: Path) -> list[str]:
+    """Return what a diagnosis suspects, one sentence a cause; each is a kind of its own."""
+    events = [event for event in read_events(folder) if event.get("kind") == _DIAGNOSIS]
+    causes = [
+        str(cause["sentence"])
+        for event in events
+        for cause in cast("dict[str, Any]", event.get("data", {})).get("causes", ())
+    ]
+    return causes or [event["message"] for event in events]
+
+
 def _missed(folder: Path) -> Iterator[Remark]:
     """Return the bounds that a run missed."""
     for row in read_metrics(folder):
@@ -127,6 +144,15 @@ def _missed(folder: Path) -> Iterator[Remark]:
         got = "has no value" if value is None else f"is {reached}"
         meaning = f"`rig explain {row.get('measure', row['name'])}` says what it is"
         yield Remark("missed", f"{row['name']} {got}{wanted}; {meaning}")
+
+
+def _after_missing(rig: str | None) -> Iterator[Remark]:
+    if rig is not None:
+        yield Remark(
+            "next",
+            f"Is the rig as its profile says? `rig status {rig}` tells what of it is calibrated "
+            f"and tuned, and what is next; `rig check {rig} --values` where each number is from.",
+        )
 
 
 def _remarks(topic: FaultTopic, folder: Path, names: Mapping[str, str | None]) -> Iterator[Remark]:

@@ -21,10 +21,7 @@ depends on when it comes, so the runtime decides that, not the class.
 
 from collections.abc import Sequence
 
-
-def describe(value: float, unit: str) -> str:
-    """Format a number with its SI unit for a message."""
-    return f"{value:.6g} {unit}".rstrip()
+from rig.hal.formats import format_outside
 
 
 class RigError(Exception):
@@ -163,8 +160,7 @@ class LimitExceeded(SafetyError):
         self.upper = upper
         self.unit = unit
         super().__init__(
-            f"{quantity} is {describe(value, unit)}, "
-            f"outside {describe(lower, unit)} … {describe(upper, unit)}"
+            f"{quantity} is {format_outside(value, lower, upper, unit)}"
             + (f"; {suspicion}" if suspicion else "")
         )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from rig.config.formats import unit_for_people
+from rig.hal.formats import unit_for_people
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind, draw_line, panels
 from rig.report.style import BLUE, PAGE, new_figure, shade_segments

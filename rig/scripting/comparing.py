@@ -77,7 +77,7 @@ def compare(runs: Mapping[str, Run] | Sequence[Run]) -> Compared:
 
 
 def _cell(value: object, unit: str) -> str:
-    from rig.config.formats import format_quantity
+    from rig.hal.formats import format_quantity
 
     if isinstance(value, float | int):
         return format_quantity(float(value), unit or "1")

@@ -51,7 +51,7 @@ class MetricValue(NamedTuple):
         return self.value
 
     def __str__(self) -> str:
-        from rig.config.formats import format_against
+        from rig.hal.formats import format_against
 
         number = None if np.isnan(self.value) and not self.is_nan else self.value
         value, bound = format_against(number, self.bound, self.unit)

@@ -2,7 +2,7 @@
 
 import math
 
-from rig.config.formats import format_quantity
+from rig.hal.formats import format_quantity
 from rig.sweeping.data import SweepData
 
 SHOWN = 12

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rig.config.formats import format_quantity
 from rig.hal import RigError
+from rig.hal.formats import format_quantity
 from rig.report.markup import NOTHING, Html, element, image, join, link, page, section, table
 from rig.whole_file import write_whole
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from rig.config.formats import format_quantity
+from rig.hal.formats import format_quantity
 from rig.sweeping.data import SweepData
 from rig.sweeping.finding import DONE
 from rig.sweeping.maps import short

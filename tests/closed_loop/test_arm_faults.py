@@ -77,7 +77,7 @@ def test_error_names_joint_node_and_what_the_drive_says(failed):
 def test_arm_that_leaves_its_bound_first_says_which_drive_it_was(tmp_path):
     """At full speed the arm is too far from where it was sent before the drive loses patience."""
     result = run_into("arm", "stuck", tmp_path, "reference.rate=0.95 rad/s")
-    for word in ("distance of q3 from where it was sent", "0.15 rad", *NODE, "status word 0x"):
+    for word in ("distance of q3 from where it was sent", "0 … 8.594 deg", *NODE, "status word 0x"):
         assert word in result.message
 
 

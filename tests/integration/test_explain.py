@@ -121,6 +121,29 @@ def sentences(path):
             yield node.lineno, told
 
 
+@pytest.mark.parametrize(
+    ("message", "kind"),
+    [
+        ("drives joint q3 (node 0x03): the drive left OPERATION ENABLED by itself: status word "
+         "0x0260 (SWITCH ON DISABLED) [object 0x6041:00]", "torque_off"),
+        ("axes joint q2 (node 0x02): the axis left its closed loop by itself: idle", "torque_off"),
+        ("servos (node 0x0A): left_knee (id 10) does not get its setpoints, or gets them late "
+         "[object Goal Position (116), value -1 counts behind]", "setpoints_lost"),
+        ("drives joint q3: the drive reports a following error: following error too large "
+         "(0x8611)", "following"),
+        ("drives joint q3: the drive reports a fault: following error too large (0x8611)",
+         "following"),
+        ("drives joint q3: the drive left its mode of operation, status word 0x0237 [value mode "
+         "1, bound mode 8 (csp)]", "wrong_mode"),
+        ("servos: left_hip_roll (id 8) jumped; somebody moved its zero, or the joint was struck "
+         "[object Present Position (132), bound 0.0531 rad in 5.0 ms]", "struck"),
+    ],
+)  # fmt: skip
+def test_what_drives_say_has_a_kind_of_its_own(message, kind):
+    """These are put together by drivers from parts, which no search for sentences finds."""
+    assert topic_of(message).name == kind
+
+
 def test_every_fault_that_the_program_raises_has_a_topic():
     untold = [
         f"{path.relative_to(ROOT)}:{line}: {text}"
@@ -151,6 +174,28 @@ def test_a_run_that_stopped_is_explained(tmp_path, capsys, fault, named):
     assert named in [entry["text"] for entry in told if entry["label"] == "kind"], told
     assert {"means", "causes", "check", "mend"} <= {entry["label"] for entry in told}
     assert not any(" RIG" in entry["text"] for entry in told)
+    events = [json.loads(line) for line in (run / "events.jsonl").read_text().splitlines()]
+    [event] = [event for event in events if event["kind"] == "injected"]
+    [fault_event] = [event for event in events if event["kind"] == "fault"]
+    assert event["data"] == {"fault": fault, "where": "regulators", "magnitude": None}
+    assert fault_event["t"] - 0.1 < event["t"] < fault_event["t"], "cause before effect"
+
+
+def test_each_suspect_of_a_diagnosis_has_its_kind(tmp_path, capsys):
+    """The message of a leak speaks of regulators and monitors first."""
+    runs = tmp_path / "runs"
+    leak = "simulation.faults=[{at: 6 s, device: plant, fault: agonist.leak, value: 4e-8}]"
+    args = ["run", "cylinder-sine", "--no-report", "--out", str(runs), "--set", leak]
+    assert invoke(args) == 4
+    [run] = runs.iterdir()
+    capsys.readouterr()
+    _, out, _ = said(capsys, str(run), "--json")
+    told = json.loads(out)
+    diagnosis = " ".join(entry["text"] for entry in told if entry["label"] == "diagnosis")
+    kinds = [entry["text"] for entry in told if entry["label"] == "kind"]
+    assert "leaks behind its tube" in diagnosis
+    assert kinds[0] == "pulls_disagree", kinds
+    assert "stick_slip" not in kinds
 
 
 def test_a_missed_bound_is_explained(tmp_path, capsys):
@@ -164,6 +209,7 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert "tracking_rms_01 is" in out
     assert re.search(r"is \d+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
+    assert "next: Is the rig as its profile says? `rig status cylinder`" in out
 
 
 def test_a_run_whose_process_was_killed_is_explained(tmp_path, capsys):

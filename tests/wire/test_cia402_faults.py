@@ -98,9 +98,9 @@ def test_drives_that_do_not_enable_are_named():
 @pytest.mark.parametrize(
     ("command", "argument", "message"),
     [
-        ("command_positions", (2.5,), r"joint elbow: position setpoint is 2.5 rad"),
+        ("command_positions", (2.5,), r"joint elbow: position setpoint is 143.2 deg"),
         ("command_positions", (float("nan"),), "position setpoint is nan"),
-        ("command_positions", (0.0051,), r"0.0051 rad, outside -0.005 rad … 0.005 rad"),
+        ("command_positions", (0.0051,), r"0.2922 deg, outside -0.2865 … 0.2865 deg"),
         ("command_velocities", (-1.2,), "velocity setpoint is -1.2 rad/s"),
         ("command_velocities", (float("inf"),), "velocity setpoint is inf"),
     ],

@@ -73,8 +73,8 @@ def test_short_foreign_and_extended_frames_change_nothing(arm):
 @pytest.mark.parametrize(
     ("command", "argument", "message"),
     [
-        ("command_positions", (2.5,), "joint elbow: position setpoint is 2.5 rad"),
-        ("command_positions", (0.006,), "position setpoint is 0.006 rad"),
+        ("command_positions", (2.5,), "joint elbow: position setpoint is 143.2 deg"),
+        ("command_positions", (0.006,), "position setpoint is 0.3438 deg"),
         ("command_velocities", (float("nan"),), "velocity setpoint is nan"),
     ],
 )

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from rig.config.formats import format_against, format_to
+from rig.hal.formats import format_against, format_outside, format_to
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,23 @@ from rig.config.formats import format_against, format_to
 )
 def test_a_number_and_its_bound_are_told_apart(value, bound, unit, texts):
     assert format_against(value, bound, unit) == texts
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "text"),
+    [
+        ((-0.000554465, -5e-4, 5e-4), "m", "-0.5545 mm, outside -0.5 … 0.5 mm"),
+        ((300000.1, 0.0, 3e5), "Pa", "300.0001 kPa, outside 0 … 300 kPa"),
+        ((0.2, 0.0, 0.1), "rad", "11.46 deg, outside 0 … 5.73 deg"),
+        ((math.nan, 0.0, 3e5), "Pa", "nan kPa, outside 0 … 300 kPa"),
+        ((4e-3, -math.inf, 3e-3), "m", "4 mm, outside -inf … 3 mm"),
+        ((2e-3, -math.inf, math.inf), "m", "2 mm, outside -inf … inf mm"),
+        ((2.0, 1.0, 1.0), "", "2, outside 1 … 1"),
+        ((1.0, 1.0, 1.0), "1", "1, outside 1 … 1"),
+    ],
+)
+def test_what_has_left_its_range_is_told_in_one_unit(values, unit, text):
+    assert format_outside(*values, unit) == text
 
 
 @pytest.mark.parametrize(

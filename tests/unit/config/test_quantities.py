@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rig.config.formats import format_quantity
 from rig.config.quantities import (
     UnitError,
     parse_any_quantity,
@@ -15,6 +14,7 @@ from rig.config.quantities import (
     parse_unit,
     usual_units,
 )
+from rig.hal.formats import format_quantity
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,30 @@ def format_against(value: float | None, bound: float | None, unit: str) -> tuple
     return texts[0], texts[1]
 
 
+def format_outside(value: float, lower: float, upper: float, unit: str) -> str:
+    """Write a number that has left its range, in one unit, with digits that tell them apart.
+
+    Parameters
+    ----------
+    value, lower, upper : float
+        In `unit`.
+    unit : str
+        SI unit; empty or ``"1"`` for a ratio.
+
+    Returns
+    -------
+    str
+        Such as ``"-0.5545 mm, outside -0.5 … 0.5 mm"``; a bound that is none is infinite.
+    """
+    finite = [abs(bound) for bound in (lower, upper) if math.isfinite(bound)]
+    name, scale = unit_for_people(max(finite, default=0.0) or value, unit)
+    for digits in range(4, 10):
+        said, low, high = (f"{x / scale:.{digits}g}" for x in (value, lower, upper))
+        if said not in (low, high):
+            break
+    return f"{said} {name}".rstrip() + f", outside {low} … {high} {name}".rstrip()
+
+
 def format_to(value: float, std: float, unit: str, others: Sequence[float] = ()) -> list[str]:
     """Write a measured number, and others like it, to two digits of its standard deviation.
 
