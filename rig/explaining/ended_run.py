@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, TypedDict, cast
 
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
@@ -21,6 +21,16 @@ _RECENT = 10.0
 """A run that ended less long ago (s) is the one that whoever asks means."""
 _UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"))
 _PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
+
+
+class _Cause(TypedDict):
+    sentence: str
+
+
+class _Diagnosed(TypedDict, total=False):
+    """What the event of a diagnosis holds."""
+
+    causes: list[_Cause]
 
 
 class Remark(NamedTuple):
@@ -126,9 +136,9 @@ def _suspected(folder: Path) -> list[str]:
     """Return what a diagnosis suspects, one sentence a cause; each is a kind of its own."""
     events = [event for event in read_events(folder) if event.get("kind") == _DIAGNOSIS]
     causes = [
-        str(cause["sentence"])
+        cause["sentence"]
         for event in events
-        for cause in cast("dict[str, Any]", event.get("data", {})).get("causes", ())
+        for cause in cast("_Diagnosed", event.get("data", {})).get("causes", ())
     ]
     return causes or [event["message"] for event in events]
 
