@@ -28,7 +28,7 @@ class _Cause(TypedDict):
 
 
 class _Diagnosed(TypedDict, total=False):
-    """What the event of a diagnosis holds."""
+    """The data of a diagnosis' event."""
 
     causes: list[_Cause]
 
