@@ -5,10 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
 from rig.cli.progress import ProgressLine
+from rig.experiment.pacing import BURST, RealTime
 from rig.runtime.loop import Progress
 
 if TYPE_CHECKING:
@@ -57,13 +57,13 @@ class WatchedRun(ProgressLine):
         beside: Path | None = None,
     ) -> None:
         super().__init__(plan.experiment.name, on)
-        self._pace, self._watch, self._steer = pace, watch, steer
+        self._watch, self._steer = watch, steer
+        self._time = None if pace is None else RealTime(pace)
         if pace is not None:
-            self.progress_every = _BURST
+            self.progress_every = BURST
         self._beside = beside
         self._law, self._period = plan.experiment.controller, plan.profile.loop.period
         self._needs_hold = needs_hold
-        self._origin: float | None = None
         self._box: Mailbox | None = None
         self._gains: OnlineGains | None = None
         self._path: Path
@@ -135,13 +135,5 @@ class WatchedRun(ProgressLine):
         """Redraw the line, and wait for real time where simulated time is ahead of it."""
         super().progressed(progress)
         self._tell_of_gains(progress)
-        if self._pace is None:
-            return
-        now = monotonic()
-        if self._origin is None:
-            self._origin = now - progress.elapsed / self._pace
-        ahead = self._origin + progress.elapsed / self._pace - now
-        if ahead > 0.0:
-            sleep(ahead)
-        else:  # it is never caught up with: what is slow stays slow
-            self._origin -= ahead
+        if self._time is not None:
+            self._time.wait(progress.elapsed)

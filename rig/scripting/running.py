@@ -10,6 +10,7 @@ import numpy as np
 
 from rig.assembly import Backend, backend_of
 from rig.config.setting import Setting
+from rig.experiment.pacing import PacedWatcher
 from rig.experiment.plan import Plan, load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -34,6 +35,7 @@ def run(
     on: str = "virtual",
     set: Settings | None = None,
     seed: int | None = None,
+    pace: float | None = None,
     rig: str | None = None,
     controller: object | None = None,
     reference: object | None = None,
@@ -64,6 +66,9 @@ def run(
         Settings of the experiment or its rig: ``{"reference.amplitude": "4 mm"}``.
     seed : int, optional
         Of the simulation.
+    pace : float, optional
+        Times real time that a simulation goes at most, as ``rig run --pace``. None: as fast as
+        it can, and in real time where somebody steers the motion.
     rig : str, optional
         Another rig than the experiment's.
     controller : str or object, optional
@@ -117,7 +122,12 @@ def run(
     _ask(checked, on, yes)
     if rig is not None:
         options.append(f"rig={rig}")
-    with _shown(checked, on, progress) as watcher:
+    if pace is not None and not 0.01 <= pace < float("inf"):
+        raise ConfigurationError(f"pace is {pace!r}: at least 0.01 times real time")
+    pace = pace or (1.0 if checked.motion.real_time else None)
+    if not backend.is_simulated:
+        pace = None
+    with _shown(checked, on, progress, pace) as watcher:
         result = run_experiment(
             checked, backend, Path(out),
             on=None if on in list(Backend) else on, overrides=options, watcher=watcher,
@@ -237,14 +247,14 @@ def _ask(plan: Plan, on: str, yes: str | None) -> None:
 
 
 @contextlib.contextmanager
-def _shown(plan: Plan, on: str, progress: bool | None) -> Iterator[Watcher]:
+def _shown(plan: Plan, on: str, progress: bool | None, pace: float | None) -> Iterator[Watcher]:
     """Yield who tells of the run as it goes on."""
-    from rig.cli.progress import ProgressLine
+    from rig.cli.watched_run import WatchedRun
 
     if progress is None:
         progress = sys.stderr is not None and sys.stderr.isatty()
     if not progress:
-        yield Watcher()
+        yield Watcher() if pace is None else PacedWatcher(pace)
         return
-    with ProgressLine(plan.experiment.name, on) as line:
+    with WatchedRun(plan, on, needs_hold=False, pace=pace) as line:
         yield line

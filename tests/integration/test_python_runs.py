@@ -47,6 +47,16 @@ def test_everything_offered_is_there():
         rig.walk  # noqa: B018
 
 
+def test_a_simulation_may_be_held_at_a_pace(out):
+    """Whoever steers it from Python lives in real time."""
+    began = time.monotonic()
+    quick = {"approach": 0.2, "reference.levels": "[0]", "reference.dwell": 0.2}
+    run = rig.run("cylinder-staircase", on="sim", set=quick, pace=2.0, out=out)
+    assert time.monotonic() - began > 0.5 * run.data["t"][-1] - 0.1
+    with pytest.raises(rig.ConfigurationError, match=r"pace is 0: at least 0\.01"):
+        rig.run("cylinder-staircase", on="sim", pace=0, out=out)
+
+
 def test_a_run_tells_what_was_recorded(recorded):
     assert recorded.status == "ok"
     assert recorded.manifest["seed"] == 3
