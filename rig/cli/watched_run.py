@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from rig.steering.online_gains import OnlineGains
 
 
-_BURST = 0.01
-"""A simulation that is held back runs ahead of real time by no more than this, s: who steers it
-would not be heard in between."""
-
-
 class WatchedRun(ProgressLine):
     """Shows the progress, serves the page, and keeps a simulation from running away.
 

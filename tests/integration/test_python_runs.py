@@ -50,7 +50,7 @@ def test_everything_offered_is_there():
 def test_a_simulation_may_be_held_at_a_pace(out):
     """Whoever steers it from Python lives in real time."""
     began = time.monotonic()
-    quick = {"approach": 0.2, "reference.levels": "[0]", "reference.dwell": 0.2}
+    quick = SHORT | {"reference.levels": "[0, 0]", "reference.dwell": 0.2}
     run = rig.run("cylinder-staircase", on="sim", set=quick, pace=2.0, out=out)
     assert time.monotonic() - began > 0.5 * run.data["t"][-1] - 0.1
     with pytest.raises(rig.ConfigurationError, match=r"pace is 0: at least 0\.01"):
