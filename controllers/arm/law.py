@@ -20,8 +20,12 @@ from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState, J
 from controllers.base import Chosen, PlanningLaw
 from controllers.motion import InfeasibleMotion, LongMotion, check_length
 
-_TRIES = 6
-"""So many slower motions are tried until one fits."""
+_TRIES = 12
+"""So many slower motions are tried until one fits …"""
+_CLOSELY = 5
+"""… and so many of them no slower than the one before has to be."""
+_STRIDE = 1.25
+"""At least so much slower are the others: one law's needs come and go with the speed."""
 _SLOWEST = 1e9
 """Times as long beyond which no speed is looked for."""
 _TRIED = 60_000
@@ -164,14 +168,14 @@ class ArmLaw(
         trial = self.at_period(self.period)
         trial.longest = min(self.longest, _TRIED * self.period)
         factor = refused.factor
-        for _ in range(_TRIES):
+        for tried in range(_TRIES):
             slower = slower_path(path, factor)
             if slower is None or factor > _SLOWEST:
                 break
             try:
                 trial._within_ranges(slower.path)
             except TooFast as error:
-                factor *= 1.001 * error.factor
+                factor *= 1.001 * max(error.factor, 1.0 if tried < _CLOSELY else _STRIDE)
                 refused = error
             except LongMotion as error:
                 if refused.is_guess:

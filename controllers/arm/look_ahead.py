@@ -98,7 +98,11 @@ class LookAhead(ArmLaw[LookAheadSettings]):
             torques, light = (
                 torques_for(self.geometry, its, share) for its in (carried, Payload())
             )
-            check_held(torques, light, path, grid_of(path), trajectory.speed)
+            s, speed = grid_of(path), trajectory.speed
+            check_held(
+                torques, light, path.joints(s, 0), path.joints(s, 1),
+                lambda k: speed * float(path.way(s[k : k + 1])[0, 0]),
+            )  # fmt: skip
         return retime_within(path, rates, allowed, self.period, torques, self.longest)
 
     def axis_path(self, trajectory: Trajectory) -> AxisPath:

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.dynamics.carried import torques_for, torques_of_plan
-from controllers.arm.dynamics.chain import ArmTorques
+from controllers.arm.dynamics.carried import check_held, torques_for, torques_of_plan
 from controllers.arm.dynamics.limits import shares_between
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
@@ -79,8 +78,7 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
     limits = geometry.acceleration_limits
     _check(plan.t, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
     if promises.carried is not None:
-        torques = torques_for(geometry, promises.carried)
-        _check_torques(torques, plan)
+        _check_torques(geometry, promises.carried, plan)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise TooFast(
@@ -91,16 +89,25 @@ def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> 
         )
 
 
-def _check_torques(torques: ArmTorques, plan: ArmPlan) -> None:
+def _check_torques(geometry: ArmGeometry, carried: Payload, plan: ArmPlan) -> None:
     """Raise if a drive needs more than its torque.
 
-    What holds the arm does not become less by time: the rest has to fit into what is left.
+    What holds the arm does not become less by time: the rest has to fit into what is left, and
+    where nothing is left no speed is slow enough.
     """
+    torques = torques_for(geometry, carried)
     limits = tuple(torques.limits.tolist())
     try:
         _check(plan.t, ALL_JOINTS, torques_of_plan(torques, plan), limits, "N m", 0.5)
     except TooFast as error:
         used = shares_between(torques, plan.positions[:-1], plan.velocities[:-1], plan.period)
+        if used.min() < 0.0:
+            steps = np.linalg.norm(np.diff(plan.hand, axis=0), axis=1)
+            gone = np.concatenate(([0.0], np.cumsum(steps)))
+            check_held(
+                torques, torques_for(geometry, Payload()), plan.positions, plan.velocities,
+                lambda k: float(gone[k]),
+            )  # fmt: skip
         factor = math.sqrt(float(used.max())) if used.min() >= 0.0 else _NEVER
         raise TooFast(str(error), factor) from error
 

@@ -1,13 +1,13 @@
 """What the drives need along a path: whether they can hold the arm there, and along a plan."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.axis_path import AxisPath
 from controllers.arm.dynamics.chain import ArmTorques
-from controllers.arm.dynamics.limits import HELD, PathTorques, TooHeavy, halfway, heaviest
+from controllers.arm.dynamics.limits import HELD, TooHeavy, halfway, heaviest, holding_along
 from controllers.arm.dynamics.settings import Payload
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
@@ -35,35 +35,37 @@ def torques_for(geometry: ArmGeometry, payload: Payload, share: float = 1.0) -> 
 
 
 def check_held(
-    torques: ArmTorques, light: ArmTorques, path: AxisPath, s: Array, way: float
+    torques: ArmTorques,
+    light: ArmTorques,
+    q: Array,
+    tangent: Array,
+    gone: Callable[[int], float],
 ) -> None:
-    """Raise if the drives could not hold the arm with its payload anywhere on a path.
+    """Raise if the drives could not hold the arm with its payload anywhere on its way.
 
     Parameters
     ----------
     torques, light : ArmTorques
         Of the arm with its load, and without.
-    path : AxisPath
-        The joints.
-    s : ndarray, shape (n,)
-        Places to look at, rad.
-    way : float
-        Of the hand in a second of the nominal time, m/s.
+    q, tangent : ndarray, shape (n, 6)
+        The joints at places to look at, rad, and which way they go.
+    gone : callable
+        Returns how far the hand is on its way at one of the places, m.
 
     Raises
     ------
     InfeasibleMotion
         With place, joint, torque, limit, and the payload that would be held.
     """
-    along = PathTorques(torques, path, s)
+    loaded = holding_along(torques, q, tangent)
     try:
-        along.check_held()
+        loaded.check()
     except TooHeavy as error:
-        gone = way * float(path.way(s[error.at : error.at + 1])[0, 0])
-        most = math.floor(1e3 * heaviest(PathTorques(light, path, s), along, torques.carried)) / 1e3
+        most = heaviest(holding_along(light, q, tangent), loaded, torques.carried)
+        most = math.floor(1e3 * most) / 1e3
         would = f"{most:g} kg would be held" if most > 0.0 else "not even an empty hand is held"
         raise InfeasibleMotion(
-            f"after {gone:.4f} m of the path {AXIS_NAMES[error.joint]} would need "
+            f"after {gone(error.at):.4f} m of the path {AXIS_NAMES[error.joint]} would need "
             f"{error.torque:.4g} N m to hold the arm and its payload of {torques.carried:g} kg, "
             f"beyond {100.0 * HELD:g} % of the {torques.limits[error.joint]:.6g} N m that it may "
             f"have; the rest has to move it: {would}."

@@ -1,5 +1,7 @@
 """Limits of the drives' torques along a joint path, linear in acceleration and squared speed."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,57 @@ HELD = 0.98
 """Of a limit that weight and dry friction may need: the rest moves the arm."""
 _SLOW = 1e-4
 """Share of the greatest squared speed below which viscous friction is taken as it is there."""
+
+
+class Holding(NamedTuple):
+    """What holds an arm at places of its way: weight, and dry friction whichever way it goes.
+
+    Parameters
+    ----------
+    least, most : ndarray, shape (n, 6)
+        N m.
+    limits : ndarray, shape (6,)
+        Of the drives, N m.
+    """
+
+    least: Array
+    most: Array
+    limits: Array
+
+    def check(self) -> None:
+        """Raise if the arm could not stop anywhere on its way.
+
+        Raises
+        ------
+        TooHeavy
+            Weight and dry friction alone need more than a joint's drive has.
+        """
+        shares = np.maximum(self.most, -self.least) / self.limits
+        k, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        if shares[k, joint] > HELD:
+            raise TooHeavy(int(k), int(joint), float(shares[k, joint] * self.limits[joint]))
+
+
+def holding_along(torques: ArmTorques, q: Array, tangent: Array) -> Holding:
+    """Return what holds an arm.
+
+    Parameters
+    ----------
+    torques : ArmTorques
+        Of the arm with its payload.
+    q, tangent : ndarray, shape (n, 6)
+        Its joints along the way, and which way they go.
+    """
+    sense = np.sign(tangent)
+    wide = np.vstack((sense[:1], sense, sense[-1:]))
+    # A joint that turns back between two points rubs either way at both.
+    around = np.stack((wide[:-2], sense, wide[2:]))
+    weight = torques.weight(q)
+    return Holding(
+        weight + torques.friction * around.min(axis=0),
+        weight + torques.friction * around.max(axis=0),
+        torques.limits,
+    )
 
 
 class PathTorques:
@@ -45,26 +98,7 @@ class PathTorques:
         self._m = torques.inertial(q, still, tangent)
         self._b = torques.inertial(q, tangent, bend)
         self._d = torques.viscous * tangent
-        sense = np.sign(tangent)
-        wide = np.vstack((sense[:1], sense, sense[-1:]))
-        # A joint that turns back between two points rubs either way at both.
-        around = np.stack((wide[:-2], sense, wide[2:]))
-        weight = torques.weight(q)
-        self.least = weight + torques.friction * around.min(axis=0)
-        self.most = weight + torques.friction * around.max(axis=0)
-
-    def check_held(self) -> None:
-        """Raise if the arm could not stop anywhere on the path.
-
-        Raises
-        ------
-        TooHeavy
-            Weight and dry friction alone need more than a joint's drive has.
-        """
-        shares = np.maximum(self.most, -self.least) / self.limits
-        k, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        if shares[k, joint] > HELD:
-            raise TooHeavy(int(k), int(joint), float(shares[k, joint] * self.limits[joint]))
+        self.held = holding_along(torques, q, tangent)
 
     def rows(self, squares: Array, strain: Array | float = 1.0) -> Rows:
         """Return the limits for speeds near to those given.
@@ -76,7 +110,7 @@ class PathTorques:
         strain : ndarray, shape (n, 6)
             By how much more a motion is said to need than it does.
         """
-        low, high = -self.limits - self.least, self.limits - self.most
+        low, high = -self.limits - self.held.least, self.limits - self.held.most
         room = np.where(self._d > 0.0, high, -low)
         with np.errstate(divide="ignore"):
             most = (room / np.abs(self._d)) ** 2  # beyond it the friction alone takes all
@@ -139,13 +173,13 @@ class TooHeavy(InfeasibleMotion):
         self.at, self.joint, self.torque = at, joint, torque
 
 
-def heaviest(light: PathTorques, loaded: PathTorques, mass: float) -> float:
+def heaviest(light: Holding, loaded: Holding, mass: float) -> float:
     """Return the greatest payload that is held all along, kg; 0: not even none is.
 
     Parameters
     ----------
-    light, loaded : PathTorques
-        Along the same path, without a payload and with one.
+    light, loaded : Holding
+        Along the same way, without a payload and with one.
     mass : float
         Of that payload, kg.
     """

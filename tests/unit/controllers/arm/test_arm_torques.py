@@ -15,6 +15,7 @@ from controllers.arm.dynamics.settings import ArmDynamics, Payload
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.plain import DampedLeastSquares, Inverse
+from controllers.arm.promises import TooFast
 from controllers.motion import InfeasibleMotion
 from drivers.sim.plants.arm_model import ArmDeviations, build_model
 from drivers.sim.plants.arm_settings import ArmLinkSettings, ArmPlantSettings
@@ -232,6 +233,43 @@ def test_a_payload_that_is_too_heavy_is_refused_with_one_that_is_held(seed):
         else:
             with pytest.raises(InfeasibleMotion, match="would be held"):
                 plan(geometry, other)
+
+
+@pytest.mark.parametrize("law", [Inverse, DampedLeastSquares])
+def test_every_law_names_the_payload_that_no_speed_makes_lighter(law):
+    geometry, path = case(0)
+    heavy = dataclasses.replace(
+        path, speed=0.02, payload=dataclasses.replace(path.payload, mass=30.0)
+    )
+    said = []
+    for prepare in (
+        law(law.Settings(), geometry, PERIOD).prepare,
+        lambda path: plan(geometry, path),
+    ):
+        with pytest.raises(InfeasibleMotion) as refused:
+            prepare(heavy)
+        said.append(re.search(r"(\S+) kg would be held", str(refused.value))[1])
+    assert float(said[0]) == pytest.approx(float(said[1]), rel=0.01)
+
+
+class Hesitant(Inverse):
+    """Says each time that a little slower would do."""
+
+    fits = 0.3
+
+    def _planned(self, path):
+        if path.speed > self.fits:
+            raise TooFast(f"at {path.speed:g} m/s a joint is too fast", 1.01)
+        return super()._planned(path)
+
+
+def test_a_speed_is_found_though_each_slower_one_needs_another_one():
+    geometry, path = case(0)
+    fast = dataclasses.replace(path, torques=False, speed=1.0)
+    with pytest.raises(InfeasibleMotion) as refused:
+        Hesitant(Hesitant.Settings(), geometry, PERIOD).prepare(fast)
+    (speed,) = re.findall(r"at (\S+) m/s it would fit", str(refused.value))
+    assert 0.15 < float(speed) <= Hesitant.fits
 
 
 def shares_at_rest(geometry, path, made):
