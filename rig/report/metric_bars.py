@@ -15,21 +15,25 @@ if TYPE_CHECKING:
 
 
 def draw_bars(axes: "Axes", runs: Sequence[RunData], labels: Sequence[str]) -> None:
-    """Draw each metric that is a length as one group of bars."""
-    metrics = {m["name"]: m for m in runs[0].metrics if m["unit"] == "m"}
+    """Draw each metric that is a length as one group of bars; without any, those of one unit."""
+    its_unit = next((m["unit"] for m in runs[0].metrics if m["unit"] == "m"), None)
+    if its_unit is None and runs[0].metrics:
+        its_unit = runs[0].metrics[0]["unit"]
+    metrics = {m["name"]: m for m in runs[0].metrics if m["unit"] == its_unit}
     if not metrics:
         axes.set_axis_off()
         return
     height = 0.8 / len(runs)
     values = np.column_stack([metric_values(runs, name) for name in metrics])
     finite = values[np.isfinite(values)]
-    factor, unit = length_scale(float(finite.max()) if len(finite) else 0.0)
+    greatest = float(finite.max()) if len(finite) else 0.0
+    factor, unit = length_scale(greatest) if its_unit == "m" else (1.0, its_unit or "1")
     for number, label in enumerate(labels):
         rows = np.arange(len(metrics)) + (number - 0.5 * (len(runs) - 1)) * height
         axes.barh(rows, values[number] * factor, height * 0.86, color=color_of(number), label=label)
         for row, value in zip(rows, values[number] * factor, strict=True):
-            if np.isfinite(value):
-                write_value(axes, f"{value:.3g}", value, row)
+            known = bool(np.isfinite(value))
+            write_value(axes, f"{value:.3g}" if known else "never", value if known else 0.0, row)
     for row, metric in enumerate(metrics.values()):
         bound = metric.get("bound")
         if bound is not None and metric.get("bound_kind") == "max":
@@ -38,7 +42,7 @@ def draw_bars(axes: "Axes", runs: Sequence[RunData], labels: Sequence[str]) -> N
                 color=INK, lw=0.9, ls=(0, (3, 1.5)),
             )  # fmt: skip
     axes.set_yticks(range(len(metrics)), labels=[name.replace("_", "\n") for name in metrics])
-    axes.invert_yaxis()
+    axes.set_ylim(len(metrics) - 0.5, -0.5)
     axes.grid(axis="y", visible=False)
     axes.margins(x=0.16)
     axes.set_xlim(left=0.0)

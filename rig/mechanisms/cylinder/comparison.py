@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 def draw_pair(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     """Draw the error of each run over time, one above the other, and their metrics."""
     figure = new_figure(PAGE, 26.0 + 24.0 * len(runs))
-    grid = figure.add_gridspec(len(runs), 2, width_ratios=[2.2, 1.0])
+    has_bars = len(runs[0].metrics) > 0
+    grid = figure.add_gridspec(
+        len(runs), 1 + has_bars, width_ratios=[2.2, 1.0] if has_bars else None
+    )
     errors = [(run.time, run.error[run.followed]) for run in runs]
     extent = max(float(np.nanmax(np.abs(error), initial=1e-9)) for _, error in errors)
     factor, unit = length_scale(extent)
@@ -47,9 +50,10 @@ def draw_pair(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         else:
             axes.set_xlabel("time since the reference started (s)")
     if top is not None and runs[0].segments:
-        shade_segments(top, PAGE * 0.6, runs[0].segments)
+        shade_segments(top, PAGE * (0.6 if has_bars else 0.9), runs[0].segments)
     figure.supylabel(f"error ({unit})", fontsize=8.5)
-    draw_bars(figure.add_subplot(grid[:, 1]), runs, labels)
+    if has_bars:
+        draw_bars(figure.add_subplot(grid[:, 1]), runs, labels)
     return figure
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from annotated_types import Gt, Unit
+from annotated_types import Gt, Interval, Unit
 
 from rig.config.diagnostics import Problems
 from rig.config.document import parse_mapping
@@ -16,7 +16,8 @@ from rig.hal.rising import Rising
 from rig.mechanisms.arm.drawing.chain import Array, Chain, DrawnJoint
 
 Length = Annotated[float, Unit("m")]
-Angle = Annotated[float, Unit("rad")]
+Angle = Annotated[float, Unit("rad"), Interval(ge=-2.0 * math.pi, le=2.0 * math.pi)]
+"""A bare number is rad: what is more than a turn was meant in degrees."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -253,7 +253,7 @@ def test_every_law_names_the_payload_that_no_speed_makes_lighter(law):
 
 
 class Hesitant(Inverse):
-    """Says each time that a little slower would do."""
+    """A law that says each time that a little slower would do."""
 
     fits = 0.3
 
