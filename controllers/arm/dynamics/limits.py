@@ -25,7 +25,7 @@ _SLOW = 1e-4
 
 
 class Holding(NamedTuple):
-    """What holds an arm at places of its way: weight, and dry friction whichever way it goes.
+    """The torques that hold an arm along its way: weight, and dry friction whichever way it goes.
 
     Parameters
     ----------
