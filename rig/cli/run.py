@@ -169,6 +169,12 @@ def run(
         print_json(as_data(result))
     else:
         show(result)
+        if rig_name is not None and any(metric.passed is False for metric in result.metrics):
+            click.echo(
+                f"the bounds are those of {plan.experiment.name} for its own rig; with {rig_name} "
+                "set others, such as --set metrics.NAME.max=VALUE",
+                err=True,
+            )
     if (
         result.exit_code == EXIT_PREFLIGHT
         and not simulated

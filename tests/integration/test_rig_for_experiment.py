@@ -31,6 +31,16 @@ def test_an_experiment_is_checked_on_another_rig(capsys):
     assert invoke(["check", "ours.yaml", "--rig", "cylinder"]) == 2
 
 
+@pytest.mark.parametrize(("bound", "code"), [("1 us", 1), ("1 s", 0)])
+def test_bounds_that_are_missed_on_another_rig_are_told_to_be_for_the_experiments_own(
+    capsys, bound, code
+):
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--rig", "ours.yaml"]
+    assert invoke([*args, "--set", f"metrics.rise_time.max={bound}"]) == code
+    told = "the bounds are those of cylinder-step for its own rig; with ours.yaml set others"
+    assert (told in capsys.readouterr().err) is (code == 1)
+
+
 @pytest.mark.parametrize(
     ("believed", "true", "said"),
     [
