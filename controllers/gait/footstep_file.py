@@ -62,12 +62,7 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     InfeasibleMotion
         With file, line, column, and what is wrong there.
     """
-    lines = read_table_lines(path)
-    numbered = [
-        (number, [cell.strip() for cell in next(csv.reader([line]))])
-        for number, line in enumerate(lines, 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    numbered = _rows(path)
     if not numbered:
         raise InfeasibleMotion(f"{path}: the file is empty; its header begins with foot, x (mm).")
     columns = _header(path, *numbered[0])
@@ -75,6 +70,21 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     if not 1 <= len(steps) <= MOST_STEPS:
         raise InfeasibleMotion(f"{path}: {len(steps)} footprints; there may be 1 to {MOST_STEPS}.")
     return tuple(steps)
+
+
+def line_of_step(path: Path, number: int) -> int | None:
+    """Return the line of a file that a footprint, from 1, stands in; None if it has not so many."""
+    numbered = _rows(path)
+    return numbered[number][0] if 0 < number < len(numbered) else None
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the lines that count, the header first: their numbers and cells."""
+    return [
+        (number, [cell.strip() for cell in next(csv.reader([line]))])
+        for number, line in enumerate(read_table_lines(path), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
 
 
 def _header(path: Path, line: int, row: list[str]) -> list[_Column]:

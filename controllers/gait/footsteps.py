@@ -1,5 +1,6 @@
 """A walk over footprints that are given one by one: in a file, in the experiment, or by numbers."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -7,12 +8,14 @@ from typing import Annotated
 from annotated_types import MaxLen
 
 from controllers.gait.footprints import MOST_STEPS, Footstep, StepNumbers, SteppingSettings
-from controllers.gait.footstep_file import read_footsteps
+from controllers.gait.footstep_file import line_of_step, read_footsteps
 from controllers.gait.footstep_numbers import number_footsteps
 from controllers.gait.footstep_phases import plan_footsteps
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.motions import SquatSettings, WalkSettings
 from controllers.gait.phases import GaitPhase
+
+_STEP = re.compile(r"\b(?:step|swing (?:right|left)) (\d+)\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +29,9 @@ class FootstepsSettings(SteppingSettings):
     Parameters
     ----------
     file : Path, optional
-        A CSV file of footprints; see `read_footsteps`.
+        A CSV file of footprints. Its header names each column with its unit: ``foot, x (mm),
+        y (mm)`` and, where they matter, ``heading (deg), height (mm), pitch (deg), roll (deg),
+        lift (mm), shift (s), swing (s)``; a row for each footprint, in their order.
     steps : tuple of Footstep
         Instead of a file.
     numbers : StepNumbers, optional
@@ -57,6 +62,12 @@ class FootstepsSettings(SteppingSettings):
         if self.file is not None:
             return read_footsteps(Path(self.file))
         return self.steps or number_footsteps(geometry, self.numbers or StepNumbers())
+
+    def with_line(self, message: str) -> str:
+        """Return a message with the line of the file that the step stands in which it names."""
+        found = _STEP.search(message)
+        line = found and self.file and line_of_step(Path(self.file), int(found[1]))
+        return message if not line else _STEP.sub(rf"\g<0> (line {line})", message, count=1)
 
     def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
         """Return the phases of the walk, in their order.

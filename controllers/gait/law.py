@@ -146,15 +146,17 @@ class GaitLaw(
                 motion = fastest(self._prepare_within_rates, motion)
             return self._prepare(motion)
         except InfeasibleMotion as error:
-            words = (
-                f"{error}; {self._fitting(motion, error)}." if isinstance(error, TooQuick) else ""
-            )
+            words = str(error)
+            if isinstance(error, TooQuick):
+                words = f"{error}; {self._fitting(motion, error)}."
+            if isinstance(motion, FootstepsSettings):
+                words = motion.with_line(words)
             for law in (self, self._finer):
                 if law is not None:
                     law._schedule = ()  # what was refused must not run
-            if words:
-                raise InfeasibleMotion(words) from error
-            raise
+            if words == str(error):
+                raise
+            raise InfeasibleMotion(words) from error
 
     def _fitting(self, motion: LegsMotion, refused: TooQuick) -> str:
         """Say at which speed a motion would be accepted, which is tried.

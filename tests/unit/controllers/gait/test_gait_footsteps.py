@@ -285,6 +285,19 @@ def test_a_file_says_the_same_as_the_experiment(tmp_path):
     assert len(phases(file=str(path))) == 5
 
 
+def test_a_step_that_cannot_be_is_told_with_its_line(tmp_path):
+    path = tmp_path / "steps.csv"
+    far = "foot, x (mm), y (mm)\n# there\nright, 30, -39\n\nleft, 60, 39\nright, 400, -39\n"
+    path.write_text(far)
+    law = SmoothLaw(SmoothSettings(), model(), 5e-3)
+    with pytest.raises(InfeasibleMotion, match=r"step 3 \(line 6\)"):
+        law.prepare(FootstepsSettings(file=path))
+    path.write_text("foot, x (mm), y (mm)\nright, 30, -39\nleft, 60, 39\n")
+    quick = {"shift_time": 0.4, "swing_time": 0.4, "first_shift_time": 3.0}
+    with pytest.raises(InfeasibleMotion, match=r"^swing right 1 \(line 2\): with no joint faster"):
+        law.prepare(FootstepsSettings(file=path, **quick))
+
+
 WRONG = {
     "": r"steps\.csv: the file is empty",
     "foot, x (mm)\n": r"line 1: the header has no y; it has foot, x \(mm\)",
