@@ -20,7 +20,7 @@ from controllers.arm.kinematics import (
 from rig.hal import ConfigurationError
 from rig.mechanisms.arm.drawing.chain import DrawingError
 from rig.mechanisms.arm.drawing.denavit_hartenberg import read_dh
-from rig.mechanisms.arm.drawing.profile import of_urdf
+from rig.mechanisms.arm.drawing.profile import of_dh, of_urdf
 from rig.mechanisms.arm.drawing.spherical_wrist import recognise
 from rig.mechanisms.arm.drawing.urdf import read_urdf
 
@@ -211,6 +211,24 @@ def test_the_puma_in_both_conventions(rows, convention, tmp_path):
     shipped = recognise(read_dh(ARMS / "puma-560.yaml"))
     assert drawing.lengths == pytest.approx(shipped.lengths, abs=1e-12)
     assert shipped.lengths["shoulder_offset"] == pytest.approx(-0.15005)
+
+
+@pytest.mark.parametrize("turned", [0.0, math.pi, -HALF])
+def test_a_table_without_ranges_has_them_about_the_laws_zero(turned, tmp_path):
+    """Where the table has its own zero says nothing of what a joint's cables bear."""
+    rows = [*MODIFIED[:5], (0, -HALF, 0, turned)]
+    file = tmp_path / "arm.yaml"
+    file.write_text(table_of(rows, "modified"))
+    made = of_dh("arm", file, None)
+    assert "position_min: [-180 deg, -180 deg, -180 deg, -180 deg, -180 deg, -180 deg]" in made.text
+    assert any("no range is given of row 1, " in note for note in made.notes)
+
+
+def test_a_turn_of_ninety_radians_was_meant_in_degrees(tmp_path):
+    file = tmp_path / "arm.yaml"
+    file.write_text(table_of([(0, 90, 0, 0), *MODIFIED[1:]], "modified"))
+    with pytest.raises(ConfigurationError, match=r"arm.yaml:4:19: .*at most 360 deg"):
+        read_dh(file)
 
 
 def test_a_table_in_no_convention_is_refused(tmp_path):

@@ -32,6 +32,8 @@ class DrawnJoint(NamedTuple):
         Its range, rad; infinite if nothing is said.
     speed, effort : float, optional
         Greatest speed, rad/s, and torque, N m.
+    is_ranged : bool
+        Whether that range is the description's: of any other nothing is known.
     """
 
     name: str
@@ -41,6 +43,7 @@ class DrawnJoint(NamedTuple):
     upper: float = math.inf
     speed: float | None = None
     effort: float | None = None
+    is_ranged: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,8 +30,9 @@ class DhRow:
         Lengths along x and z, m.
     alpha, theta : float
         Turns about x and z, rad; theta is what is added to the joint's own angle.
-    range : tuple of float
-        Of the joint's own angle, rad.
+    range : tuple of float, optional
+        Of the joint's own angle, rad. None: half a turn either way of where the laws' arm has its
+        zero.
     speed : float
         The joint's greatest, rad/s.
     """
@@ -40,7 +41,7 @@ class DhRow:
     alpha: Angle = 0.0
     d: Length = 0.0
     theta: Angle = 0.0
-    range: Annotated[tuple[float, float], Unit("rad"), Rising("range")] = (-math.pi, math.pi)
+    range: Annotated[tuple[float, float], Unit("rad"), Rising("range")] | None = None
     speed: Annotated[float, Unit("rad/s"), Gt(0)] | None = None
 
 
@@ -90,8 +91,11 @@ def chain_of(table: DhTable, source: str) -> Chain:
         along_z = _screw(2, row.theta, row.d)
         before = frame @ along_x if table.convention == "modified" else frame
         joints.append(
-            DrawnJoint(f"row {number}", before[:3, 3], before[:3, 2], *row.range, row.speed)
-        )
+            DrawnJoint(
+                f"row {number}", before[:3, 3], before[:3, 2], *(row.range or (-math.pi, math.pi)),
+                row.speed, is_ranged=row.range is not None,
+            )
+        )  # fmt: skip
         frame = before @ along_z
         if table.convention == "standard":
             frame = frame @ along_x

@@ -96,6 +96,8 @@ def _range_of(chain: Chain, drawing: Drawing, k: int) -> tuple[float, float]:
     joint, sign, zero = chain.joints[k], drawing.signs[k], drawing.zeros[k]
     if _is_endless(joint):
         return -_WHOLE, _WHOLE
+    if not joint.is_ranged:
+        return -math.pi, math.pi
     ends = sorted((sign * joint.lower + zero, sign * joint.upper + zero))
     return ends[0], ends[1]
 
@@ -234,6 +236,12 @@ def _notes(chain: Chain, off: float) -> list[str]:
     ]
     if quiet:
         notes.append(f"no speed is given of {', '.join(quiet)}: the usual 1 or 2 rad/s stand there")
+    unranged = [joint.name for joint in chain.joints if not joint.is_ranged]
+    if unranged:
+        notes.append(
+            f"no range is given of {', '.join(unranged)}: 180 deg either way of the laws' zero "
+            "stand there; write what its cables bear"
+        )
     if endless:
         notes.append(f"{', '.join(endless)} turn without end: two turns are their range")
     return notes
