@@ -71,7 +71,7 @@ class Scheduled(NamedTuple):
     at: float
     device: str
     fault: str
-    value: float | None = None
+    size: float | None = None
 
 
 class Simulation(NamedTuple):
