@@ -77,6 +77,8 @@ def rehearse(
 ) -> ArmPlan:
     """Return what the arm will do; a row per cycle, its joints those at the cycle's end.
 
+    In the first cycle it rests where the approach has brought it, as in the loop.
+
     Raises
     ------
     InfeasibleMotion
@@ -84,7 +86,8 @@ def rehearse(
     """
     end = rows[-1][0]
     check_length(end, longest)
-    arm, samples, b = dimensions_of(geometry), list[Sample](), 0.0
+    arm, b = dimensions_of(geometry), 0.0
+    samples = [Sample(follower.positions, AT_REST, 0.0, 0.0, Twist(AT_REST[:3], AT_REST[3:]))]
     while True:
         t = len(samples) * period
         half = 0.5 * period * b

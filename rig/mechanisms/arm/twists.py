@@ -29,6 +29,8 @@ class KnownTwists(PlannedArmMotion):
         if not reference.following:
             return reference
         k = min(round(t / self.plan.period), len(self.plan.t) - 1)  # the last asks for rest
+        if k == 0:  # where the plan begins, and not where an approach is a cycle before its end
+            return reference
         return reference._replace(twist=tuple(self.plan.command[k].tolist()))
 
     @classmethod
