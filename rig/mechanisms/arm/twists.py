@@ -4,8 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from controllers.arm.geometry import ArmGeometry
+from controllers.arm.kinematics import dimensions_of
+from controllers.arm.on_direction.numbers import Six
 from controllers.arm.online.commands import ArmTwists, Heard
-from controllers.arm.online.rehearsal import asked_in_base
+from controllers.arm.online.rehearsal import asked_in_base, share_of, twist_within
 from controllers.arm.plan import ArmPlan
 from controllers.arm.types import AT_REST, ArmReference
 from rig.hal import Device, SafetyError
@@ -58,7 +60,8 @@ class HeardTwists(Motion[ArmReference]):
     watches = True
 
     def __init__(self, twists: ArmTwists, geometry: ArmGeometry) -> None:
-        self._twists, self._geometry = twists, geometry
+        self._twists, self._geometry, self._arm = twists, geometry, dimensions_of(geometry)
+        self._before: tuple[float, Six] | None = None
         self.real_time = twists.real_time
         self._ear: Heard | None = None
         self._asked = AT_REST
@@ -94,6 +97,7 @@ class HeardTwists(Motion[ArmReference]):
     def see(self, t: float, state: object, here: object) -> Sequence[Note]:
         """Ask for the twist of this cycle."""
         assert isinstance(here, ArmReference)
+        ahead = self._half_way(t, here.positions)
         if t >= self._twists.duration:
             self._asked = AT_REST
             if self._ear is not None:
@@ -102,7 +106,7 @@ class HeardTwists(Motion[ArmReference]):
             return ()
         told = None if self._ear is None else self._ear.twist(t)
         if told is not None:
-            return self._take(t, told, here)
+            return self._take(t, told, here, ahead)
         since = t - self._heard
         if since >= self._twists.silence - _EDGE:
             self._asked = AT_REST
@@ -117,7 +121,24 @@ class HeardTwists(Motion[ArmReference]):
             ),
         )
 
-    def _take(self, t: float, told: Sequence[float], here: ArmReference) -> Sequence[Note]:
+    def _half_way(self, t: float, positions: Six) -> float:
+        """Return for how long the tool will have done its twist in the middle of this cycle, s.
+
+        As `asked_in_base` wants it for the tool's axes; it goes on as in the cycle before.
+        """
+        before, self._before = self._before, (t, positions)
+        if self._twists.frame == "base" or before is None or t <= before[0]:
+            return 0.0
+        period = t - before[0]
+        q1, q2, q3, q4, q5, q6 = (
+            (now - then) / period for now, then in zip(positions, before[1], strict=True)
+        )
+        done = twist_within(self._arm, positions, (q1, q2, q3, q4, q5, q6), period)
+        return 0.5 * period * share_of(self._asked, done)
+
+    def _take(
+        self, t: float, told: Sequence[float], here: ArmReference, ahead: float
+    ) -> Sequence[Note]:
         try:
             vx, vy, vz, wx, wy, wz = (float(value) for value in told)
         except (TypeError, ValueError) as error:
@@ -131,7 +152,8 @@ class HeardTwists(Motion[ArmReference]):
                 return ()
             self._silent = False
             return (Note("twist", "a twist of zero has been heard: the hand follows again"),)
-        self._asked = asked_in_base(self._geometry, here.positions, twist, self._twists.frame)
+        frame = self._twists.frame
+        self._asked = asked_in_base(self._geometry, here.positions, twist, frame, ahead)
         if gap < self._twists.silence - _EDGE or self._late or not any(twist):
             return ()
         self._late = True  # said once: a slow source is late with every word

@@ -1,14 +1,19 @@
 """Twists as the loop follows them: what was gone through beforehand is what is commanded."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import rig
 from controllers.arm.kinematics import dimensions_of, forward
+from controllers.arm.online.commands import ArmTwists
+from controllers.arm.types import AT_REST
 from rig.experiment.plan import load_plan
 
-START = "[0.74 rad, -0.26 rad, 1.59 rad, -0.02 rad, -0.52 rad, 0.76 rad]"
+POSTURE = (0.74, -0.26, 1.59, -0.02, -0.52, 0.76)
+START = f"[{', '.join(f'{q} rad' for q in POSTURE)}]"
 
 
 def settings_of(seed, frame):
@@ -37,14 +42,38 @@ def test_what_is_commanded_is_what_was_planned(seed, frame, tmp_path):
     planned = np.array(loaded.motion.plan.positions)
     q = commanded(rig.run("arm-twist", on="sim", set=settings, out=tmp_path, progress=False))
     assert np.array_equal(q[: len(planned)], planned)
-    if frame == "base":
-        return
-    # A screw about the tool's own axes, from half a second after it was asked for.
+    if frame == "tool":
+        check_screw(loaded, q, v, w, 1.4)
+
+
+@dataclass(frozen=True)
+class Spoken(ArmTwists):
+    """Twists that are not known before they come."""
+
+    said: tuple[float, ...] = AT_REST
+
+    def twist(self, t):
+        return self.said if t < 1.5 else AT_REST
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_who_speaks_in_the_tools_axes_has_the_hand_on_the_same_screw(seed, tmp_path):
+    v, w, _ = settings_of(seed, "tool")
+    spoken = Spoken(start=POSTURE, frame="tool", duration=2.5, said=(*v.tolist(), *w.tolist()))
+    q = commanded(rig.run("arm-twist", on="sim", reference=spoken, pace=1e3, out=tmp_path))
+    check_screw(load_plan("arm-twist", []), q, v, w, 1.4)
+
+
+def check_screw(loaded, q, v, w, until):
+    """Hold the hand against a screw about the tool's axes, half a second after it was asked for."""
     arm = dimensions_of(loaded.profile.mechanism_settings.geometry)
     period = loaded.profile.loop.period
-    poses = [forward(arm, tuple(q[k].tolist())) for k in range(round(0.5 / period), len(planned))]
-    first, axes = poses[0], np.array(poses[0].rotation).T
-    for pose in poses[: round(0.9 / period) : 10]:
+    first, *poses = [
+        forward(arm, tuple(q[k].tolist()))
+        for k in range(round(0.5 / period), round(until / period), 10)
+    ]
+    axes = np.array(first.rotation).T
+    for pose in poses:
         turned = Rotation.from_matrix(axes @ np.array(pose.rotation)).as_rotvec()
         angle = float(turned @ w / (w @ w))
         assert np.linalg.norm(turned - angle * w) < 1e-6
