@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from rig.experiment.run import Result
 
 
+_FEW = 3
+"""So many segments are told by their names."""
 _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true state"}
 
 
@@ -207,6 +209,21 @@ def as_data(result: Result) -> dict[str, object]:
     }
 
 
+def _stretches(folder: Path, pattern: str) -> str:
+    """Return the names of the segments that a pattern means; the pattern if they are many."""
+    import json
+    from fnmatch import fnmatchcase
+
+    from rig.run_facts import EVALUATION
+
+    try:
+        known = json.loads((folder / EVALUATION).read_text(encoding="utf-8"))["segments"]
+        names = [str(one["name"]) for one in known if fnmatchcase(one["name"], pattern)]
+    except (OSError, ValueError, KeyError, TypeError):  # the folder is somebody else's by now
+        names = []
+    return " and ".join(names) if 0 < len(names) <= _FEW else pattern
+
+
 def show(result: Result) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
     from rig.hal.formats import format_against
@@ -230,7 +247,7 @@ def show(result: Result) -> None:
             bound = f"{sign} {bound}  {_VERDICTS[metric.passed]}"
         # Metrics of the same measure have names of their own; one name alone is of what it says.
         tells = metric.segments != "*" and metric.name == metric.measure
-        over = f"  over {metric.segments}" if tells else ""
+        over = f"  over {_stretches(result.path, metric.segments)}" if tells else ""
         lines.append(f"{metric.name:{width}}  {value:>12}  {bound}{over}".rstrip())
     if lines:
         print_data("\n".join(lines))
