@@ -26,6 +26,8 @@ _SMOOTH = 0.3
 class MyLawSettings:
     """Gains from position to differential pressure; a profile may give others.
 
+    These hold on the cylinder that ships, twice as much swings: a slower regulator bears less.
+
     Parameters
     ----------
     proportional : float
@@ -36,9 +38,9 @@ class MyLawSettings:
         Pa s/m.
     """
 
-    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 1e8
-    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 5e8
-    derivative: Annotated[float, Unit("Pa s/m"), Ge(0)] = 5e6
+    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 5e7
+    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 2e8
+    derivative: Annotated[float, Unit("Pa s/m"), Ge(0)] = 2.5e6
 
 
 class MyLaw(Law[MyLawSettings, PairModel, PairReference, PairState, PairCommand]):
