@@ -137,5 +137,9 @@ def _loaded(request: Request) -> tuple[Profile, tuple[object, ...]]:
 def _law(profile: Profile, controller: str) -> type[AnyLaw]:
     law = controller_class(profile, controller)
     if not (isinstance(law, type) and issubclass(law, Law) and law.tunables):
-        raise ConfigurationError(f"the law {controller} does not say what of it may be tuned")
+        raise ConfigurationError(
+            f"the law {controller} does not say what of it may be tuned: give its class "
+            "`tunables`, a tuple of controllers.base.Tunable(key, low, high), as "
+            "controllers/cylinder/pid.py does"
+        )
     return law
