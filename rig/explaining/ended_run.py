@@ -19,7 +19,7 @@ _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 10.0
 """A run that ended less long ago (s) is the one that whoever asks means."""
-_UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"))
+_UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
 
 

@@ -140,12 +140,15 @@ class DaskCluster:
             self._client.close(timeout=2.0)
 
     def _report(self, name: str, future: "Future") -> PointReport:
-        if future.status == "finished":
-            report: PointReport = future.result(timeout=_GONE)
-            return report
         if future.status in ("cancelled", "lost"):
             raise self._gone()
-        error = future.exception(timeout=_GONE)
+        try:
+            if future.status == "finished":
+                report: PointReport = future.result(timeout=_GONE)
+                return report
+            error = future.exception(timeout=_GONE)
+        except (OSError, TimeoutError) as lost:  # it went while it was asked for what it has
+            raise self._gone() from lost
         if type(error).__name__ == "KilledWorker":
             return PointReport(name, died=True)
         return PointReport(name, trouble=f"a worker of {self._address} cannot run points: {error}")

@@ -4,6 +4,7 @@ import ast
 import json
 import random
 import re
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import rig
 from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
+from rig.explaining.ended_run import _age
 from rig.explaining.faults import fault_topics, topic_of
 from rig.explaining.glossary import glossary, without_keys
 from rig.faults.catalogue import KINDS
@@ -210,6 +212,15 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert re.search(r"is \d+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
     assert "next: Is the rig as its profile says? `rig status cylinder`" in out
+
+
+@pytest.mark.parametrize(
+    ("ago", "said"),
+    [(3, ""), (11, ", 11 s ago"), (59, ", 59 s ago"), (90, ", 2 min ago"), (7300, ", 2 h ago"),
+     (200_000, ", 2 d ago")],
+)  # fmt: skip
+def test_how_long_ago_a_run_ended_is_said_if_another_may_be_meant(ago, said):
+    assert _age((datetime.now(UTC) - timedelta(seconds=ago)).isoformat()) == said
 
 
 def test_a_run_whose_process_was_killed_is_explained(tmp_path, capsys):

@@ -10,10 +10,31 @@ from pathlib import Path
 import pytest
 import sweep_stub
 
+from rig.sweeping.dask_cluster import DaskCluster
 from rig.sweeping.errors import SweepStopped
 
 FOLDER = Path(__file__).parent
 POINTS = 40
+
+
+class Lost:
+    """A result of a scheduler that goes while it is asked for it."""
+
+    def __init__(self, status):
+        self.status = status
+
+    def result(self, timeout):
+        raise ConnectionResetError(104, "Connection reset by peer")
+
+    exception = result
+
+
+@pytest.mark.parametrize("status", ["finished", "error", "lost"])
+def test_a_scheduler_that_goes_while_it_is_asked_for_a_result_is_a_sentence(status):
+    cluster = object.__new__(DaskCluster)
+    cluster._address = "tcp://127.0.0.1:1"
+    with pytest.raises(SweepStopped, match="the Dask scheduler has gone"):
+        cluster._report("point", Lost(status))
 
 
 def begin(*arguments):

@@ -244,9 +244,9 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         )
         for line, change in (
             (
-                "return abs(late[-1] - late[0]) > _JUMP * self._limits.speed * self._step",
-                "abs(late[-1] - late[0]) > _JUMP * self._limits.speed * self._step -> "
-                "abs(late[-1] - late[0]) >= _JUMP * self._limits.speed * self._step",
+                "return abs(late[1] - late[0]) > _JUMP * self._limits.speed * self._step",
+                "abs(late[1] - late[0]) > _JUMP * self._limits.speed * self._step -> "
+                "abs(late[1] - late[0]) >= _JUMP * self._limits.speed * self._step",
             ),
             (
                 "if max(ways) < least or min(ways) < _LEAST_RUN * max(ways):",

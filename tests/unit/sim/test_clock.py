@@ -13,7 +13,7 @@ class Line(NamedTuple):
     at: float
     device: str
     fault: str
-    value: float | None = None
+    size: float | None = None
 
 
 class Diary:
