@@ -113,7 +113,7 @@ class Performance(Watcher):
         self._stage = self._rehearsal = RehearsalStage(clock, self._program)
         clock.world = self._stage  # type: ignore[assignment]
         for case in self.waiting:
-            self._stage.cue(case.after, partial(self._come, case))
+            self._stage.cue(case.after, partial(self._come, case, case.after))
 
     def built(self, rig: Rig) -> None:
         """Put the world on the stage."""
@@ -130,7 +130,7 @@ class Performance(Watcher):
         self._columns = [column.name for column in self._described]
         for case in self.waiting:
             if case.moment is Moment.CONNECT:
-                self._stage.cue(case.after, partial(self._come, case))
+                self._stage.cue_before(case.after, partial(self._come, case, case.after))
 
     def employed(self, controller: AnyController) -> AnyController:
         """Have the loop run a controller that can be spoilt."""
@@ -154,7 +154,8 @@ class Performance(Watcher):
             self._running_from = now
             for case in self.waiting:
                 if case.moment is not Moment.CONNECT:
-                    self._stage.cue(now + _comes_at(case), partial(self._come, case))
+                    at = now + _comes_at(case)
+                    self._stage.cue_before(at, partial(self._come, case, at))
         elif state is RigState.STOPPING and self._case is not None:
             if self._case.moment is Moment.RELEASE:
                 self._stage.cue(now + self._case.after, self._break_first)
@@ -163,8 +164,8 @@ class Performance(Watcher):
 
     # What happens ------------------------------------------------------------------------
 
-    def _come(self, case: Case) -> None:
-        """Go two ways: here the case begins, and in the other process it has been."""
+    def _come(self, case: Case, at: float) -> None:
+        """Go two ways: here the case begins at a world time (s), in the other it has been."""
         self.waiting.remove(case)
         if not self._branch(case):
             if not self.waiting:
@@ -172,14 +173,19 @@ class Performance(Watcher):
             return
         self._case = case
         self.waiting.clear()  # the others are the other process's
-        stage, now = self._stage, self._stage.world.time
-        stage.forget_cues()
+        self._stage.forget_cues()
+        self._stage.cue(at, self._begin)
+
+    def _begin(self) -> None:
+        case, stage = self._case, self._stage
+        if case is None:
+            return
         if case.moment is Moment.RELEASE:
             stage.interrupt()
         elif case.moment is Moment.STOP:
             stage.interrupt()
             stage.interrupt()
-            stage.cue(now + case.after, self._break_first)
+            stage.cue(stage.world.time + case.after, self._break_first)
         else:
             self._break_first()
 

@@ -70,6 +70,7 @@ class Stage:
         self.world = clock.world
         self.truth = Truth([], [])
         self._cues: list[Cue] = []
+        self._before: list[Cue] = []
         self._next_look = 0.0
 
     def cue(self, at: float, act: Callable[[], None]) -> None:
@@ -77,14 +78,26 @@ class Stage:
         self._cues.append(Cue(at, act))
         self._cues.sort(key=lambda cue: cue.at)
 
+    def cue_before(self, at: float, act: Callable[[], None]) -> None:
+        """Have something happen at the last look before a world time, s.
+
+        The world does not halt for it: who goes another way from here leaves no trace in it. A
+        halt is another step of the plant's, and where rods stick its last digit may decide.
+        """
+        self._before.append(Cue(at, act))
+        self._before.sort(key=lambda cue: cue.at)
+
     def forget_cues(self) -> None:
         """Have nothing happen that was to."""
         self._cues.clear()
+        self._before.clear()
 
     def advance(self, t: float) -> None:
         """Let the world go on until `t` (s), with a halt at every cue and every look."""
         now = self.world.time
         while now < t:
+            while self._before and self._before[0].at < self._next_look:
+                self._before.pop(0).act()
             due = self._cues[0].at if self._cues else t
             now = min(t, max(due, now), self._next_look)
             self.world.advance(now)

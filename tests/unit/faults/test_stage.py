@@ -83,3 +83,24 @@ def test_a_cue_may_cue_another_and_what_is_forgotten_does_not_come():
     stage.watch_on(1.0)
     assert came == ["second"]
     assert stage.truth.times[-1] == pytest.approx(1.1, abs=2 * SAMPLE)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_who_goes_another_way_leaves_no_trace_in_the_world(seed):
+    """A halt more is another step of a plant's: a case alone has to be the case among others."""
+    chance = random.Random(seed)
+    cues = [chance.uniform(0.0, 0.05) for _ in range(9)]
+    ends = list(itertools.accumulate(chance.uniform(0.1e-3, 7e-3) for _ in range(40)))
+    halts = []
+    for others in ([], cues):
+        stage, came, ways = make_stage(), [], []
+        advance = stage.world.advance
+        stage.world.advance = lambda t, advance=advance, ways=ways: (ways.append(t), advance(t))
+        for at in others:
+            stage.cue_before(at, lambda at=at, s=stage, c=came: c.append((at, s.world.time)))
+        for t in ends:
+            stage.advance(t)
+        assert [at for at, _ in came] == sorted(others)
+        assert all(at - SAMPLE * (1 + 1e-9) <= when <= at for at, when in came)
+        halts.append(ways)
+    assert halts[0] == halts[1]
