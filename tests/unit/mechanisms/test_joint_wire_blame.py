@@ -50,6 +50,15 @@ def test_a_rod_that_stays_out_has_a_wire_that_is_caught(number):
     )
 
 
+@pytest.mark.parametrize(
+    ("fullest", "pushed"), [(0.0, True), (54.9e3, True), (55e3, False), (BASE, False)]
+)
+def test_while_no_chamber_pulls_the_ring_may_have_been_pushed(fullest, pushed):
+    said = blame(FAR, off(FAR, 4, -2e-3), pressures=(0.0, fullest, 0.0, 0.0), least_pull=55e3)
+    assert said.startswith("the wire of ch4 is caught, or its encoder is off, by 2.00 mm")
+    assert said.endswith(", or the ring was pushed while its wires were slack") is pushed
+
+
 def test_another_rod_is_suspected_if_it_explains_more_than_half():
     """Far out the opposite rod leaves 0.53 of the residual, or 0.39 of another one."""
     assert blame(FAR, off(FAR, 4, -2e-3)).startswith("the wire of ch4 is caught")

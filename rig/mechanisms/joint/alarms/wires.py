@@ -277,7 +277,10 @@ class WireWatch:
         off = offs[k][1]
         if off < 0.0:
             which = " or ".join(f"the wire of {self._channels[k]}" for k in suspects)
-            return f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
+            caught = f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
+            if max(pressures) < self._limits.least_pull:
+                return f"{caught}, or the ring was pushed while its wires were slack"
+            return caught
         found = self._who_let_go(suspects, {k: offs[k][0] for k in suspects}, pressures)
         if len(found) > 1:
             which = self._names_of(found)
