@@ -173,8 +173,8 @@ def run(
         show(result)
         if rig_name is not None and any(metric.passed is False for metric in result.metrics):
             click.echo(
-                f"the bounds are those of {plan.experiment.name} for its own rig; with {rig_name} "
-                "set others, such as --set metrics.NAME.max=VALUE",
+                f"with --rig {rig_name} the bounds stay those that {plan.experiment.name} has for "
+                "the rig it names; set others, such as --set metrics.NAME.max=VALUE",
                 err=True,
             )
     if (

@@ -122,8 +122,9 @@ def run(
     _ask(checked, on, yes)
     if rig is not None:
         options.append(f"rig={rig}")
-    if pace is not None and not 0.01 <= pace < float("inf"):
-        raise ConfigurationError(f"pace is {pace!r}: at least 0.01 times real time")
+    is_number = isinstance(pace, int | float) and not isinstance(pace, bool)
+    if pace is not None and not (is_number and 0.01 <= pace < float("inf")):
+        raise ConfigurationError(f"pace is {pace!r}: a number, at least 0.01 times real time")
     pace = pace or (1.0 if checked.motion.real_time else None)
     if not backend.is_simulated:
         pace = None

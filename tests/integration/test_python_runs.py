@@ -53,8 +53,9 @@ def test_a_simulation_may_be_held_at_a_pace(out):
     quick = SHORT | {"reference.levels": "[0, 0]", "reference.dwell": 0.2}
     run = rig.run("cylinder-staircase", on="sim", set=quick, pace=2.0, out=out)
     assert time.monotonic() - began > 0.5 * run.data["t"][-1] - 0.1
-    with pytest.raises(rig.ConfigurationError, match=r"pace is 0: at least 0\.01"):
-        rig.run("cylinder-staircase", on="sim", pace=0, out=out)
+    for wrong in (0, -1.0, math.nan, math.inf, "fast", True):
+        with pytest.raises(rig.ConfigurationError, match=r"pace is .*: a number, at least 0\.01"):
+            rig.run("cylinder-staircase", on="sim", pace=wrong, out=out)
 
 
 def test_a_run_tells_what_was_recorded(recorded):

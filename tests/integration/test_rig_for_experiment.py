@@ -37,7 +37,7 @@ def test_bounds_that_are_missed_on_another_rig_are_told_to_be_for_the_experiment
 ):
     args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--rig", "ours.yaml"]
     assert invoke([*args, "--set", f"metrics.rise_time.max={bound}"]) == code
-    told = "the bounds are those of cylinder-step for its own rig; with ours.yaml set others"
+    told = "with --rig ours.yaml the bounds stay those that cylinder-step has for the rig it names"
     assert (told in capsys.readouterr().err) is (code == 1)
 
 
