@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import time
 
 import click
 
@@ -57,10 +58,15 @@ def invoke(arguments: list[str] | None = None) -> int:
     found is there already: two objects would be no JSON.
     """
     words = sys.argv[1:] if arguments is None else arguments
-    printed = printed_so_far()
+    printed, began = printed_so_far(), time.time()
     code, error = _invoked(arguments)
     if error and "--json" in words and printed_so_far() == printed:
         print_json({"error": error, "exit": code})
+    if error and words[:1] == ["run"]:
+        from rig.explaining.refused_run import REFUSED, keep_refusal
+
+        if code in REFUSED:
+            keep_refusal(words, code, error, began)
     return code
 
 

@@ -42,7 +42,8 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
 
     WORD is a key of a profile, an experiment, a sweep or a scenario of faults (`loop.rate`, or
     `rate` alone), a measure, a figure, a law, a driver, a kind of motion, a plant, a command, an
-    exit code, a kind of fault, a message of this program in quotes, or a run.
+    exit code, a kind of fault, a message of this program in quotes, or a run. Without WORD, a
+    `rig run` that was refused since the newest run is what is told.
     """
     if rig is not None:
         from rig.assembly import REGISTRY
@@ -58,6 +59,8 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
 
 
 def _line(label: str, text: str) -> str:
+    if "\n" in text:  # an error of a file: its caret stands below what it means
+        return f"{label}: {text}".replace("\n", "\n  ")
     # A name with hyphens stays whole: it is copied into the next command.
     return textwrap.fill(
         f"{label}: {text}", _WIDTH, subsequent_indent="  ", break_on_hyphens=False,
@@ -71,6 +74,12 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
     from rig.hal import ConfigurationError
     from rig.hal.files import is_folder
 
+    if word == LATEST:
+        from rig.explaining.refused_run import last_refusal
+
+        refusal, newest = last_refusal(runs)
+        if refusal is not None:
+            return refusal.remarks(newest)
     if word == LATEST or is_folder(runs / word) or _is_path_of_run(word):
         return explain_run(find_run(word, runs))
     known = _known(word)

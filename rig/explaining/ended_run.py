@@ -59,7 +59,7 @@ def explain_run(folder: Path) -> list[Remark]:
     manifest = RunFolder.open(folder).manifest  # a process that died could not say so itself
     status, code = manifest["status"], manifest.get("exit_code")
     ended = status if code is None else f"{status}, exit code {code}"
-    said = [Remark("run", f"{folder.name}: {ended}{_age(manifest.get('ended'))}")]
+    said = [Remark("run", f"{folder.name}: {ended}{age_since(manifest.get('ended'))}")]
     message = manifest.get("message")
     if message:
         said.append(Remark("message", message))
@@ -109,7 +109,7 @@ def as_given(
     return {"RIG": rig, "EXPERIMENT": experiment}
 
 
-def _age(ended: str | None) -> str:
+def age_since(ended: str | None) -> str:
     """Return how long ago a run ended, if that is so long that another one may be meant."""
     try:
         ago = (datetime.now(UTC) - datetime.fromisoformat(ended or "")).total_seconds()

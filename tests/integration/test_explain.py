@@ -14,7 +14,7 @@ import rig
 from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
-from rig.explaining.ended_run import _age
+from rig.explaining.ended_run import age_since
 from rig.explaining.faults import fault_topics, topic_of
 from rig.explaining.glossary import glossary, without_keys
 from rig.faults.catalogue import KINDS
@@ -214,13 +214,66 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert "next: Is the rig as its profile says? `rig status cylinder`" in out
 
 
+def test_a_run_that_was_refused_is_what_is_explained(tmp_path, capsys):
+    """It has left no folder: the run before it is not what somebody asks about."""
+    runs = tmp_path / "runs"
+    run = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    assert invoke([*run, "--set", "reference.levels=7"]) == 2
+    code, out, _ = said(capsys, "--runs", str(runs))
+    assert code == 0, "before any run"
+    assert "exit code 2" in out and "--set reference.levels=7" in " ".join(out.split())
+
+    assert "\n      reference.levels=7\n      ^\n" in out, "the caret stays below its word"
+
+    assert invoke(run) == 0
+    capsys.readouterr()
+    _, out, _ = said(capsys, "--runs", str(runs))
+    assert out.startswith("run: "), "a run that came later is the newest attempt"
+    [folder] = runs.iterdir()
+
+    assert invoke([*run, "--on", "nowhere"]) == 2, "click has refused it"
+    capsys.readouterr()
+    _, out, _ = said(capsys, "--runs", str(runs), "--json")
+    told = {entry["label"]: entry["text"] for entry in json.loads(out)}
+    assert "--on nowhere" in told["refused"] and "exit code 2" in told["refused"]
+    assert "nowhere" in told["message"]
+    assert f"rig explain {folder}" in told["before"]
+
+    _, out, _ = said(capsys, "--runs", str(tmp_path / "others"))
+    assert "nowhere" not in out, "a refusal belongs to its folder of runs"
+    _, out, _ = said(capsys, str(folder))
+    assert out.startswith("run: "), "who names a run gets it"
+
+
+def test_a_run_that_ended_by_an_error_is_none_that_was_refused(tmp_path, capsys, monkeypatch):
+    """Code of the user's own that raises ends the command as a wrong file does: exit code 2."""
+    runs = tmp_path / "runs"
+    monkeypatch.setattr("rig.cli.run.show", lambda result: {}["nothing"])
+    monkeypatch.setattr("rig.assembly.contract_check.whose_bug", lambda error: "their code")
+    run = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    assert invoke(run) == 2
+    capsys.readouterr()
+    _, out, _ = said(capsys, "--runs", str(runs))
+    assert out.startswith("run: ")
+
+
+def test_a_spoilt_note_of_a_refusal_is_none(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    runs = tmp_path / "runs"
+    assert invoke(["run", "cylinder-stepp", "--out", str(runs)]) == 2
+    (tmp_path / "rig" / "refused.json").write_text('{"runs": 3')
+    capsys.readouterr()
+    code, _, err = said(capsys, "--runs", str(runs))
+    assert code == 2 and f"there is no run in {runs} yet" in err
+
+
 @pytest.mark.parametrize(
     ("ago", "said"),
     [(3, ""), (11, ", 11 s ago"), (59, ", 59 s ago"), (90, ", 2 min ago"), (7300, ", 2 h ago"),
      (200_000, ", 2 d ago")],
 )  # fmt: skip
 def test_how_long_ago_a_run_ended_is_said_if_another_may_be_meant(ago, said):
-    assert _age((datetime.now(UTC) - timedelta(seconds=ago)).isoformat()) == said
+    assert age_since((datetime.now(UTC) - timedelta(seconds=ago)).isoformat()) == said
 
 
 def test_a_run_whose_process_was_killed_is_explained(tmp_path, capsys):

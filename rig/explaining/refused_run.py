@@ -1,0 +1,160 @@
+"""The last `rig run` that was refused: it left no run folder, and is what somebody asks about."""
+
+import contextlib
+import shlex
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import NamedTuple, TypedDict
+
+from rig.explaining.ended_run import Remark, age_since
+from rig.explaining.faults import topic_of
+from rig.hal import ConfigurationError
+from rig.hal.files import users_folder
+from rig.json_file import write_json
+from rig.run_facts import read_manifest
+from rig.run_names import RUNS, list_runs
+from rig.typed_json import read_json
+
+REFUSED = (2, 3)
+"""Exit codes of a run that was refused: usage or configuration, device or preflight."""
+_OPTIONS = ("--out", "--runs")
+_MEANS = {
+    2: "A file, an option or code of yours is wrong. Nothing was run, and nothing has moved.",
+    3: "A device or the preflight says no. Nothing was energised.",
+}
+
+
+class _Kept(TypedDict):
+    """The content of the file."""
+
+    runs: str
+    command: list[str]
+    code: int
+    message: str
+    when: str
+
+
+class RefusedRun(NamedTuple):
+    """A run that was refused.
+
+    Parameters
+    ----------
+    command : tuple of str
+        The words of its command line after ``rig``.
+    code : int
+        Its exit code.
+    message : str
+        What was said.
+    when : str
+        UTC, ISO 8601.
+    """
+
+    command: tuple[str, ...]
+    code: int
+    message: str
+    when: str
+
+    def remarks(self, before: Path | None) -> list[Remark]:
+        """Return why it was refused, and what to do.
+
+        Parameters
+        ----------
+        before : Path, optional
+            The newest run that there is.
+        """
+        line = shlex.join(("rig", *self.command))
+        told = [
+            Remark(
+                "refused", f"`{line}`: exit code {self.code}, no run folder{age_since(self.when)}"
+            ),
+            Remark("message", self.message),
+        ]
+        topic = topic_of(self.message) if self.code == 3 else None
+        if topic is not None:
+            told += [Remark(*pair) for pair in topic.remarks()]
+        else:
+            told.append(Remark("means", _MEANS[self.code]))
+        told.append(Remark("next", "Mend what the message names, and run it again."))
+        if before is not None:
+            told.append(
+                Remark("before", f"The run before it: `rig explain {before}` explains that one.")
+            )
+        return told
+
+
+def keep_refusal(words: Sequence[str], code: int, message: str, began: float) -> None:
+    """Keep what a `rig run` was refused with; the one before is forgotten.
+
+    It is a convenience: where it cannot be kept, nothing is said of that. A run that has left a
+    folder and ended by somebody's code is none: its folder says what happened.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The command line after ``rig``.
+    code : int
+        The exit code.
+    message : str
+        What was said.
+    began : float
+        When the command was given, s since the epoch.
+    """
+    runs = _runs_of(words)
+    since = datetime.fromtimestamp(began, UTC).isoformat(timespec="milliseconds")
+    with contextlib.suppress(ConfigurationError):
+        if any(read_manifest(run).get("started", "") >= since for run in list_runs(runs)[:1]):
+            return
+    kept: _Kept = {
+        "runs": str(runs.absolute()),
+        "command": list(words),
+        "code": code,
+        "message": message,
+        "when": datetime.now(UTC).isoformat(timespec="milliseconds"),
+    }
+    path = _path()
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(path, kept)
+
+
+def last_refusal(runs: Path) -> tuple[RefusedRun | None, Path | None]:
+    """Return the refusal that is newer than every run in a folder, and the newest run there.
+
+    Parameters
+    ----------
+    runs : Path
+        Where run folders live.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder cannot be read.
+    """
+    newest = next(iter(list_runs(runs)), None)
+    try:
+        kept = read_json(_path(), _Kept)
+    except (ConfigurationError, OSError):  # none was, or somebody has spoilt it
+        return None, newest
+    if kept["runs"] != str(runs.absolute()) or kept["code"] not in REFUSED:
+        return None, newest
+    if newest is not None and read_manifest(newest).get("started", "") >= kept["when"]:
+        return None, newest
+    refusal = RefusedRun(tuple(kept["command"]), kept["code"], kept["message"], kept["when"])
+    return refusal, newest
+
+
+def _path() -> Path:
+    return users_folder("XDG_STATE_HOME", ".local", "state") / "rig" / "refused.json"
+
+
+def _runs_of(words: Sequence[str]) -> Path:
+    """Return where a command line would have put its run; click may not have come so far."""
+    found = RUNS
+    for place, word in enumerate(words):
+        name, sign, value = word.partition("=")
+        if name in _OPTIONS and sign:
+            found = Path(value)
+        elif word in _OPTIONS and place + 1 < len(words):
+            found = Path(words[place + 1])
+    return found
