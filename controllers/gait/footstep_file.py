@@ -72,10 +72,9 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     return tuple(steps)
 
 
-def line_of_step(path: Path, number: int) -> int | None:
-    """Return the line of a file that a footprint, from 1, stands in; None if it has not so many."""
-    numbered = _rows(path)
-    return numbered[number][0] if 0 < number < len(numbered) else None
+def lines_of_steps(path: Path) -> tuple[int, ...]:
+    """Return the line of a file that each footprint stands in."""
+    return tuple([line for line, _ in _rows(path)[1:]])
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:

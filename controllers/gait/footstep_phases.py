@@ -10,7 +10,7 @@ from controllers.gait.footprints import Footstep, SteppingSettings
 from controllers.gait.footstep_checks import BeyondLeg, MeetsGround, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.kinematics import Vector
-from controllers.gait.phases import GaitPhase
+from controllers.gait.phases import DurationSetting, GaitPhase
 from controllers.gait.turning import FLAT, Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
@@ -218,7 +218,9 @@ def _phases(
     phases: list[GaitPhase] = []
     numbers: list[int] = []
 
-    def shift(number: int, to: Vector, heading: float, time: float) -> None:
+    def shift(
+        number: int, to: Vector, heading: float, time: float, timing: DurationSetting
+    ) -> None:
         nonlocal waist, yaw
         travel = (to[0] - waist[0], to[1] - waist[1], to[2] - waist[2])
         if math.hypot(*travel) < _STAYS and abs(heading - yaw) < _STAYS:
@@ -227,7 +229,7 @@ def _phases(
         phases.append(
             GaitPhase(
                 f"shift {len(phases) and number}", time / settings.speed, (True, True), waist,
-                travel, (feet[0].at, feet[1].at), turning=turning,
+                travel, (feet[0].at, feet[1].at), turning=turning, timing=timing,
             )
         )  # fmt: skip
         numbers.append(max(number, 1))
@@ -235,8 +237,10 @@ def _phases(
 
     for number, (step, stance) in enumerate(zip(steps, walk.stances, strict=True), 1):
         x, y, z = stance.over
-        time = step.shift or (settings.shift_time if number > 1 else settings.first_shift_time)
-        shift(number - 1, (x, y, z + hip), stance.yaw, time)
+        usual = "shift_time" if number > 1 else "first_shift_time"
+        timing = DurationSetting("shift", number) if step.shift else DurationSetting(usual)
+        time = step.shift or getattr(settings, usual)
+        shift(number - 1, (x, y, z + hip), stance.yaw, time, timing)
         go = tuple(b - a for a, b in zip(stance.before.at, stance.after.at, strict=True))
         turn = tuple(
             b - a for a, b in zip(stance.before.attitude, stance.after.attitude, strict=True)
@@ -255,6 +259,9 @@ def _phases(
                 (feet[0].at, feet[1].at),
                 lift=step.lift or settings.lift,
                 turning=turning,
+                timing=DurationSetting("swing", number)
+                if step.swing
+                else DurationSetting("swing_time"),
             )
         )
         numbers.append(number)
@@ -264,7 +271,8 @@ def _phases(
     heading = 0.5 * (right.attitude[2] + left.attitude[2])
     x, y, z = (0.5 * (a + b) for a, b in zip(*ends, strict=True))
     x, y = x + settings.ahead * math.cos(heading), y + settings.ahead * math.sin(heading)
-    shift(len(steps), (x, y, z + hip), heading, settings.last_shift_time)
+    last = DurationSetting("last_shift_time")
+    shift(len(steps), (x, y, z + hip), heading, settings.last_shift_time, last)
     return tuple(phases), tuple(numbers)
 
 

@@ -8,14 +8,15 @@ from typing import Annotated
 from annotated_types import MaxLen
 
 from controllers.gait.footprints import MOST_STEPS, Footstep, StepNumbers, SteppingSettings
-from controllers.gait.footstep_file import line_of_step, read_footsteps
+from controllers.gait.footstep_file import lines_of_steps, read_footsteps
 from controllers.gait.footstep_numbers import number_footsteps
 from controllers.gait.footstep_phases import plan_footsteps
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.motions import SquatSettings, WalkSettings
 from controllers.gait.phases import GaitPhase
+from controllers.motion import InfeasibleMotion
 
-_STEP = re.compile(r"\b(?:step|swing (?:right|left)) (\d+)\b")
+_STEP = re.compile(r"\b(?:(?:step|swing (?:right|left)) (?P<step>\d+)|shift (?P<shift>\d+))\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +65,27 @@ class FootstepsSettings(SteppingSettings):
         return self.steps or number_footsteps(geometry, self.numbers or StepNumbers())
 
     def with_line(self, message: str) -> str:
-        """Return a message with the line of the file that the step stands in which it names."""
-        found = _STEP.search(message)
-        line = found and self.file and line_of_step(Path(self.file), int(found[1]))
-        return message if not line else _STEP.sub(rf"\g<0> (line {line})", message, count=1)
+        """Return a message with the line of the file for each step or phase that it names.
+
+        A shift is told with the step that it leads to, the last one with the last step.
+        """
+        if self.file is None:
+            return message
+        file = Path(self.file)
+        try:
+            lines = lines_of_steps(file)
+        except InfeasibleMotion:
+            return message  # of the file itself
+        named = f"{file.name}, "
+
+        def put(found: re.Match[str]) -> str:
+            nonlocal named
+            number = int(found["step"] or int(found["shift"]) + 1)
+            words = f"{found[0]} ({named}line {lines[min(number, len(lines)) - 1]})"
+            named = ""
+            return words
+
+        return _STEP.sub(put, message)
 
     def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
         """Return the phases of the walk, in their order.

@@ -7,7 +7,6 @@ the same.
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -16,6 +15,12 @@ from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arc_lengths import Arcs, measure
 from controllers.gait.balance import from_edge
 from controllers.gait.corrections import Corrections
+from controllers.gait.durations import (
+    Need,
+    ShortPhases,
+    find_longer,
+    name_times,
+)
 from controllers.gait.fastest import fastest
 from controllers.gait.footsteps import FootstepsSettings, LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
@@ -23,7 +28,8 @@ from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance, way_of
-from controllers.gait.time_laws import TimeLaw
+from controllers.gait.slower import TooQuick, name_speed
+from controllers.gait.time_laws import TimeLaw, TooShort
 from controllers.gait.types import (
     GaitModel,
     Joints,
@@ -32,34 +38,13 @@ from controllers.gait.types import (
     LegsState,
 )
 from controllers.motion import InfeasibleMotion, check_length
-from controllers.rounding import floor
 
 _JOINTS = len(AXIS_NAMES)
 _REST: Joints = (0.0,) * 12
 _RATE_SHARE = 1e-3
 """By which a joint may pass its greatest rate, relative: what servos do not resolve."""
-_TRIES = 12
-"""Speeds that are tried for one at which a motion is accepted."""
-_SLOWER = 0.98
-"""Of a speed that was tried, the next one at most."""
-_NEARLY = 1.006
-"""Times the speed that a refusal names it is refused, at most."""
 _ROUNDING = 1e-9
 """By which a joint may pass its limit, rad."""
-
-
-class TooQuick(InfeasibleMotion):
-    """A motion that would be accepted more slowly.
-
-    Attributes
-    ----------
-    slower : float
-        Speed at which its worst instant would be within bounds.
-    """
-
-    def __init__(self, message: str, slower: float) -> None:
-        super().__init__(message)
-        self.slower = slower
 
 
 class TimedPhase(NamedTuple):
@@ -148,7 +133,9 @@ class GaitLaw(
         except InfeasibleMotion as error:
             words = str(error)
             if isinstance(error, TooQuick):
-                words = f"{error}; {self._fitting(motion, error)}."
+                words = f"{error}; {name_speed(self._accept, motion, error)}."
+            if isinstance(error, ShortPhases):
+                words = f"{error} {self._with_time(motion, error)}"
             if isinstance(motion, FootstepsSettings):
                 words = motion.with_line(words)
             for law in (self, self._finer):
@@ -158,37 +145,14 @@ class GaitLaw(
                 raise
             raise InfeasibleMotion(words) from error
 
-    def _fitting(self, motion: LegsMotion, refused: TooQuick) -> str:
-        """Say at which speed a motion would be accepted, which is tried.
-
-        Slower, its worst instant may be another one.
-        """
-        speed, too_quick = refused.slower, motion.speed
-        for _ in range(_TRIES):
-            speed = floor(speed)
-            try:
-                self._accept(replace(motion, speed=speed))
-            except TooQuick as error:
-                too_quick = speed
-                speed = min(error.slower, _SLOWER * speed)
-            except InfeasibleMotion as error:
-                return f"at a speed of {speed:g} it would be refused, too: {str(error).rstrip('.')}"
-            else:
-                speed = self._greatest(motion, speed, too_quick)
-                return f"at a speed of {speed:g} instead of {motion.speed:.4g} it would fit"
-        return "no speed was found at which it would fit"
-
-    def _greatest(self, motion: LegsMotion, fits: float, too_quick: float) -> float:
-        """Return a speed that is accepted, of which a little more is not."""
-        while too_quick > _NEARLY * fits:
-            speed = floor(math.sqrt(fits * too_quick))
-            try:
-                self._accept(replace(motion, speed=speed))
-            except InfeasibleMotion:
-                too_quick = speed
-            else:
-                fits = speed
-        return fits
+    def _with_time(self, motion: LegsMotion, refused: ShortPhases) -> str:
+        """Say which times are long enough for all phases, and whether the motion then fits."""
+        geometry = self.model.geometry
+        longer, still = find_longer(self._accept, motion, refused, geometry, self.period)
+        times = name_times(motion, longer, geometry)
+        if not still:
+            return f"With {times} the whole motion would fit."
+        return f"With {times} it would be refused, too: {still.rstrip('.')}."
 
     def _accept(self, motion: LegsMotion) -> None:
         """Raise as `prepare` would: what is to be as fast as it can keeps the rates, too."""
@@ -211,7 +175,7 @@ class GaitLaw(
         check_length(sum(phase.duration for phase in phases), self.longest)
         timed = _on_grid(geometry, phases, self.period)
         make = self._pace_maker(timed, motion.speed)
-        paces = [_make_pace(make, entry) for entry in timed]
+        paces = _make_paces(make, timed)
         self._schedule = tuple(
             _Stretch(PhaseCurve(geometry, entry.phase, self.period), pace, entry.cycles)
             for entry, pace in zip(timed, paces, strict=True)
@@ -388,11 +352,22 @@ def _on_grid(
     return tuple(timed)
 
 
-def _make_pace(make: PaceMaker, entry: TimedPhase) -> TimeLaw:
-    try:
-        return make(entry)
-    except InfeasibleMotion as error:
-        raise InfeasibleMotion(f"{entry.phase.name}: {error}") from error
+def _make_paces(make: PaceMaker, timed: Sequence[TimedPhase]) -> list[TimeLaw]:
+    """Return the time law of each phase; all that are too short are told at once."""
+    paces: list[TimeLaw] = []
+    words: list[str] = []
+    needs: list[Need] = []
+    for entry in timed:
+        try:
+            paces.append(make(entry))
+        except TooShort as error:
+            words.append(f"{entry.phase.name}: {error}")
+            needs.append(Need(entry.phase, error.needs))
+        except InfeasibleMotion as error:
+            raise InfeasibleMotion(f"{entry.phase.name}: {error}") from error
+    if needs:
+        raise ShortPhases(words[0], needs)
+    return paces
 
 
 AnyGaitLaw = GaitLaw[Any]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
 from controllers.gait.geometry import LEGS, LegGeometry
-from controllers.gait.phases import GaitPhase
+from controllers.gait.phases import DurationSetting, GaitPhase
 from controllers.motion import InfeasibleMotion
 
 Duration = Annotated[float, Unit("s"), Gt(0)]
@@ -180,10 +180,11 @@ class WalkSettings(GaitRequest):
             x, y, _ = feet[support]
             target = (x + self.ahead, math.copysign(aside, y), height)
             travel = (target[0] - waist[0], target[1] - waist[1], 0.0)
-            time = self.shift_time if number else self.first_shift_time
+            timing = DurationSetting("shift_time" if number else "first_shift_time")
+            time = getattr(self, timing.setting) / self.speed
             both = (feet[0], feet[1])
             phases.append(
-                GaitPhase(f"shift {number}", time / self.speed, (True, True), waist, travel, both)
+                GaitPhase(f"shift {number}", time, (True, True), waist, travel, both, timing=timing)
             )
             waist = target
             if number == self.landings:
@@ -202,6 +203,7 @@ class WalkSettings(GaitRequest):
                     self.lift,
                     bob,
                     share,
+                    timing=DurationSetting("swing_time"),
                 )
             )
             x, y, z = feet[swing]
@@ -240,9 +242,15 @@ class SquatSettings(GaitRequest):
         top = geometry.distance(self.knee_min) + geometry.ankle_height
         feet = ((0.0, -spacing, 0.0), (0.0, spacing, 0.0))
         time, both, depth = self.time / self.speed, (True, True), self.depth
+        timing = DurationSetting("time")
         phases = []
         for number in range(1, self.repeats + 1):
             down, up = (0.0, 0.0, top), (0.0, 0.0, top - depth)
-            phases.append(GaitPhase(f"down {number}", time, both, down, (0.0, 0.0, -depth), feet))
-            phases.append(GaitPhase(f"up {number}", time, both, up, (0.0, 0.0, depth), feet))
+            for name, start, travel in (("down", down, -depth), ("up", up, depth)):
+                phases.append(
+                    GaitPhase(
+                        f"{name} {number}", time, both, start, (0.0, 0.0, travel), feet,
+                        timing=timing,
+                    )
+                )  # fmt: skip
         return tuple(phases)

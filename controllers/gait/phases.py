@@ -94,6 +94,21 @@ class LegPath(PlainNumbers):
         return tuple([(c * a + s * b, c * b - s * a, d) for a, b, d in (first, second, third)])  # type: ignore[return-value]
 
 
+class DurationSetting(NamedTuple):
+    """The entry of a motion that says how long a phase lasts.
+
+    Parameters
+    ----------
+    setting : str
+        Its name: ``"swing_time"``; of a step's own time ``"shift"`` or ``"swing"``.
+    step : int
+        Number of the step whose own it is; 0: of none.
+    """
+
+    setting: str = ""
+    step: int = 0
+
+
 class GaitPhase(NamedTuple):
     """The motion of waist and feet, in the ground's frame: x ahead, y to the left.
 
@@ -123,6 +138,8 @@ class GaitPhase(NamedTuple):
     only : int, optional
         The one leg that moves, as if the other were not there; for laws that have each leg on its
         own.
+    timing : DurationSetting
+        What says its duration.
     """
 
     name: str
@@ -137,6 +154,7 @@ class GaitPhase(NamedTuple):
     bob_share: float = 0.15
     turning: PhaseTurning | None = None
     only: int | None = None
+    timing: DurationSetting = DurationSetting()
 
     def legs(self, geometry: LegGeometry) -> tuple[LegPath, LegPath]:
         """Return the path of the right and of the left hip from its ankle."""

@@ -16,15 +16,15 @@ from annotated_types import Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.bisection import bisect
+from controllers.gait.durations import Need, ShortPhases
 from controllers.gait.footsteps import LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan
-from controllers.gait.time_laws import PaceSummary
+from controllers.gait.time_laws import PaceSummary, TooShort
 from controllers.gait.types import GaitModel
-from controllers.motion import InfeasibleMotion
 from controllers.reachable_speeds import reachable
 from controllers.rounding import ceiling
 
@@ -50,6 +50,12 @@ class SmoothSettings:
     ----------
     acceleration : float
         Of each joint, at a motion's speed of 1, rad/s²; it grows with the square of that.
+
+    Notes
+    -----
+    So a speed only stretches time, as it stretches the ramps of other laws: a motion keeps the
+    shape of its timing. A phase that is too short for its accelerations is so at any speed; what
+    it needs is said as times of the request.
     """
 
     acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 2.0
@@ -138,10 +144,13 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
                 return plan
             if tries < _REPEATS - 1:
                 self._correct(plan, changes.max(axis=1) / bound)
-        raise InfeasibleMotion(
+        phase = plan.phases[int(plan.phase_number[sample])]
+        lasts = (phase.last - phase.first) * self.period
+        raise ShortPhases(
             f"at {plan.t[sample]:.3f} s ({self._name_at(plan, sample)}) {AXIS_NAMES[joint]} would "
             f"accelerate by {hardest:.4g} rad/s^2, beyond the bound of {bound:.4g} rad/s^2 "
-            f"(acceleration {self.settings.acceleration:g} rad/s^2 at a speed of 1)."
+            f"(acceleration {self.settings.acceleration:g} rad/s^2 at a speed of 1).",
+            [Need(phase.phase, lasts * math.sqrt(hardest / bound))],
         )
 
     def _correct(self, plan: GaitPlan, over: Array) -> None:
@@ -165,11 +174,11 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
         geometry, allowed = self.model.geometry, self.acceleration(speed)
 
-        def make(entry: TimedPhase) -> SmoothPace:
+        def pace(entry: TimedPhase, cycles: int) -> SmoothPace:
             shape = entry.phase._replace(duration=0.0)
             curve = _joint_curve(geometry, shape)
-            duration = entry.cycles * self.period
-            at = self.period * np.arange(entry.cycles + 1, dtype=np.float64)
+            duration = cycles * self.period
+            at = self.period * np.arange(cycles + 1, dtype=np.float64)
             told = allowed * self._told.get(entry.phase, 1.0)
             for _ in range(_TRIES):
                 t, speeds = _least_peak(geometry, shape, duration, told)
@@ -181,6 +190,23 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
             # The curve's own length is a little more than that of its chords.
             longer = entry.arcs.joint_length / float(curve.s[-1])
             return SmoothPace(longer * self._stretch.get(entry.phase, 1.0) * lengths)
+
+        def make(entry: TimedPhase) -> SmoothPace:
+            try:
+                return pace(entry, entry.cycles)
+            except TooShort as error:
+                # In that time corners are met that lay elsewhere; how long is enough is tried.
+                words, needs = str(error), error.needs
+            cycles = entry.cycles
+            for _ in range(_TRIES):
+                cycles = max(cycles + 1, math.ceil(needs / self.period))
+                try:
+                    pace(entry, cycles)
+                except TooShort as error:
+                    needs = error.needs
+                else:
+                    break
+            raise TooShort(words, cycles * self.period)
 
         return make
 
@@ -209,7 +235,7 @@ def _least_peak(
 
     Raises
     ------
-    InfeasibleMotion
+    TooShort
         It takes longer than the phase lasts, however fast the joints.
     """
     curve, max_rate = _joint_curve(geometry, phase), geometry.max_rate
@@ -224,10 +250,11 @@ def _least_peak(
 
     fastest, _ = timing(max_rate)
     if fastest[-1] > duration:
-        raise InfeasibleMotion(
+        raise TooShort(
             f"with no joint faster than {max_rate:.4g} rad/s nor accelerated by more than "
             f"{allowed:.4g} rad/s^2 the phase needs at least "
-            f"{ceiling(float(fastest[-1])):.4g} s instead of {duration:.4g} s."
+            f"{ceiling(float(fastest[-1])):.4g} s instead of {duration:.4g} s.",
+            float(fastest[-1]),
         )
     # No rate can be less than the farthest joint's way over the time.
     ways = np.abs(curve.tangent[:-1] + curve.tangent[1:]) * np.diff(curve.s)[:, None] / 2.0

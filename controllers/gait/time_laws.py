@@ -17,6 +17,23 @@ from controllers.minimum_jerk import minimum_jerk
 from controllers.motion import InfeasibleMotion
 from controllers.rounding import ceiling
 
+_SPARE = 1e-3
+"""Of the least time, relative: with none to spare the path's speed would be without bound."""
+
+
+class TooShort(InfeasibleMotion):
+    """A phase that lasts too short for its joints.
+
+    Attributes
+    ----------
+    needs : float
+        What it would have to last at least, s.
+    """
+
+    def __init__(self, message: str, needs: float) -> None:
+        super().__init__(message)
+        self.needs = needs
+
 
 class PaceSummary(NamedTuple):
     """The bound and the speed of a pace.
@@ -111,7 +128,7 @@ class LimitedNormPace:
 
     Raises
     ------
-    InfeasibleMotion
+    TooShort
         The joints' curve is too long for this norm in this time.
 
     References
@@ -170,9 +187,10 @@ class LimitedNormPace:
     def _solve(self, duration: float) -> float:
         least = self._arcs.joint_length / self._norm_rate
         if least >= duration:
-            raise InfeasibleMotion(
+            raise TooShort(
                 f"the joints' curve of {self._arcs.joint_length:.4g} rad takes {least:.4g} s at a "
-                f"norm of {self._norm_rate:.4g} rad/s, but the phase lasts {duration:.4g} s."
+                f"norm of {self._norm_rate:.4g} rad/s, but the phase lasts {duration:.4g} s.",
+                (1.0 + _SPARE) * least,
             )
         low, high = 1.0, 2.0
         while float(np.sum(self._times(high))) > duration:
@@ -200,7 +218,7 @@ class TrapezoidNormPace:
 
     Raises
     ------
-    InfeasibleMotion
+    TooShort
         The trapezoid would be higher than that.
 
     References
@@ -226,11 +244,12 @@ class TrapezoidNormPace:
                 max_rate / arcs.steepest,
                 self._norm_rate,
             )[0]
-            raise InfeasibleMotion(
+            needs = arcs.joint_length / most + self._ramp
+            raise TooShort(
                 f"the joint rates would reach a norm of {self._norm_rate:.4g} rad/s, at which one "
                 f"joint passes its limit ({most:.4g} rad/s); the phase needs at least "
-                f"{ceiling(arcs.joint_length / most + self._ramp):.4g} s instead of "
-                f"{duration:.4g} s."
+                f"{ceiling(needs):.4g} s instead of {duration:.4g} s.",
+                needs,
             )
 
     def advance(self, curve: PhaseCurve, cycle: int) -> None:

@@ -290,12 +290,15 @@ def test_a_step_that_cannot_be_is_told_with_its_line(tmp_path):
     far = "foot, x (mm), y (mm)\n# there\nright, 30, -39\n\nleft, 60, 39\nright, 400, -39\n"
     path.write_text(far)
     law = SmoothLaw(SmoothSettings(), model(), 5e-3)
-    with pytest.raises(InfeasibleMotion, match=r"step 3 \(line 6\)"):
+    with pytest.raises(InfeasibleMotion, match=r"step 3 \(steps.csv, line 6\)"):
         law.prepare(FootstepsSettings(file=path))
     path.write_text("foot, x (mm), y (mm)\nright, 30, -39\nleft, 60, 39\n")
     quick = {"shift_time": 0.4, "swing_time": 0.4, "first_shift_time": 3.0}
-    with pytest.raises(InfeasibleMotion, match=r"^swing right 1 \(line 2\): with no joint faster"):
+    with pytest.raises(InfeasibleMotion, match=r"^swing right 1 \(steps.csv, line 2\): with no"):
         law.prepare(FootstepsSettings(file=path, **quick))
+    for shift, line in ((0, 2), (1, 3), (2, 3)):
+        words = FootstepsSettings(file=path).with_line(f"shift {shift}: too short.")
+        assert words == f"shift {shift} (steps.csv, line {line}): too short."
 
 
 WRONG = {
@@ -376,3 +379,40 @@ def test_the_time_that_a_swing_is_said_to_need_is_not_said_to_be_too_short(far):
     bound, needed = said(1.0)
     again = said(float(needed))
     assert again is None or again[0] != bound
+
+
+@pytest.mark.parametrize("law", ["sc-smooth", "sc-trapezoid", "own times"])
+def test_the_times_that_a_refusal_names_are_enough_for_the_whole_walk(law, tmp_path):
+    """Corners of the joints' curve count more in the time that is named for a phase alone."""
+    footsteps = [
+        Footstep("right", 0.0104511, -0.0458708),
+        Footstep("left", 0.0209022, 0.0458708),
+        Footstep("right", 0.0313534, -0.0458708),
+        Footstep("left", 0.0454828, 0.0458708),
+    ]
+    walk = FootstepsSettings(
+        steps=tuple(footsteps), ahead=0.003347, first_shift_time=2.5, last_shift_time=2.5,
+        shift_time=0.9265, swing_time=1.356, speed=0.7,
+    )  # fmt: skip
+    smooth = SmoothLaw(SmoothSettings(), model(), 5e-3)
+    smooth.finer(1e-3)
+    if law == "sc-trapezoid":
+        walk = replace(walk, speed=8.0, swing_time=2.5)
+        smooth = TrapezoidNormLaw(TrapezoidNormSettings(), model(response_time=1.0), 5e-3)
+    if law == "own times":
+        file = tmp_path / "prints.csv"
+        rows = [f"{s.foot}, {1e3 * s.x}, {1e3 * s.y}, 0.93, 1.35" for s in footsteps]
+        file.write_text("\n".join(["foot, x (mm), y (mm), shift (s), swing (s)", *rows]))
+        walk = replace(walk, steps=(), file=file)
+    with pytest.raises(InfeasibleMotion, match=r"With .* the whole motion would fit") as refused:
+        smooth.prepare(walk)
+    times = str(refused.value).rpartition(" With ")[2]
+    named = re.findall(r"(\w+_time) at ([\d.]+) s instead of", times)
+    own = re.findall(r"the (\w+) of step (\d) \(line (\d)\) at ([\d.]+) s instead of", times)
+    assert len(own) == (7 if law == "own times" else 0)
+    assert bool(named) == (law != "own times")
+    for key, number, line, time in own:
+        assert int(line) == int(number) + 1
+        footsteps[int(number) - 1] = replace(footsteps[int(number) - 1], **{key: float(time)})
+    longer = replace(walk, file=None, steps=tuple(footsteps))
+    smooth.prepare(replace(longer, **{key: float(time) for key, time in named}))
