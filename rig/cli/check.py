@@ -82,14 +82,33 @@ def check(
         experiment["frozen"] = describe_frozen(plan)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
+    warnings = _warnings(profile, configs)
     if as_json:
-        print_json(content)
+        print_json({**content, "warnings": warnings})
     else:
         print_tables(tables)
+        for warning in warnings:
+            click.echo(f"warning: {warning}", err=True)
         if plan is not None and (sentence := advice(plan)) is not None:
             click.echo(sentence, err=True)
         click.echo(f"{source}: valid", err=True)
     return 0
+
+
+def _warnings(profile: Profile, configs: Path | None) -> list[str]:
+    """Return what is valid, and yet is not what a rig wants that is to be run."""
+    from rig.assembly import REGISTRY
+    from rig.cli.inherited import inherited_sentences
+    from rig.config.names import find_configs
+    from rig.hal.formats import format_quantity
+
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    told = [
+        f"{of.name} {format_quantity(of.value, of.unit)}: {of.warning}"
+        for of in view.expected_of(profile.mechanism_settings)
+        if of.warning
+    ]
+    return told + inherited_sentences(profile, find_configs(configs))
 
 
 def _on_bus(on: str) -> str:

@@ -40,7 +40,7 @@ from rig.hal.errors import (
     StaleReading,
 )
 from rig.hal.freeze import Freeze
-from rig.hal.mechanism import Margin, Mechanism
+from rig.hal.mechanism import Mechanism
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.picking import DevicePicker, pick_device
 from rig.hal.plant import (
@@ -51,6 +51,7 @@ from rig.hal.plant import (
     Plant,
     RestorablePlant,
 )
+from rig.hal.quantities import Margin
 from rig.hal.reading import Reading
 from rig.hal.stop_input import EmergencyStopInput
 from rig.hal.targets import Targets

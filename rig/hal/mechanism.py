@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
@@ -13,6 +13,7 @@ from rig.hal.errors import ConfigurationError
 from rig.hal.freeze import Freeze
 from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
+from rig.hal.quantities import Expected, Margin
 from rig.hal.stop_input import EmergencyStopInput
 from rig.hal.targets import Targets
 
@@ -20,31 +21,6 @@ Settings = TypeVar("Settings")
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
-
-
-class Expected(NamedTuple):
-    """A quantity that follows from a profile's settings.
-
-    Parameters
-    ----------
-    name : str
-        The quantity, for people.
-    value : float
-        SI.
-    unit : str
-        Its unit of SI.
-    """
-
-    name: str
-    value: float
-    unit: str
-
-
-class Margin(NamedTuple):
-    """The distance of a quantity from its limit: 1 is far, 0 is on it."""
-
-    name: str
-    fraction: float
 
 
 class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Command]):
@@ -65,6 +41,9 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     venting_time: float = 0.0
     """How long nothing is taken for safe, whatever devices read, s: a monitor that is broken says
     at once that a chamber is empty, and one that is off says so too early."""
+
+    varies_with: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Keys of what has to be measured anew, by the key of the dimension with which it changes."""
 
     brakes_itself: bool = False
     """Whether `balanced_command` brings a motion to rest, and control need not do it before."""

@@ -15,8 +15,9 @@ from typing import Any, Generic, NamedTuple
 from rig.hal import Clock, CyclicBus, Device
 from rig.hal.controller import Controller
 from rig.hal.fits import shown
-from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
+from rig.hal.mechanism import Command, Mechanism, Reference, State
 from rig.hal.motion import Motion
+from rig.hal.quantities import Margin
 from rig.runtime.bus_watch import BusWatch
 from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder, log_values_of
 from rig.runtime.pace import Pace

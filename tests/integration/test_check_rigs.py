@@ -45,6 +45,59 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
     assert all(item["name"] in shown for item in expected)
 
 
+def warnings_of(capsys, *words):
+    """Return what `rig check` warns of, and holds it against what a person is shown."""
+    capsys.readouterr()
+    assert invoke(["check", *map(str, words), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["warnings"]
+    assert invoke(["check", *map(str, words)]) == 0
+    err = capsys.readouterr().err.splitlines()
+    assert [line for line in err if line.startswith("warning")] == [f"warning: {s}" for s in told]
+    return told
+
+
+def test_a_cut_wire_beyond_the_limit_is_warned_of_with_the_pressure_that_keeps_it(capsys):
+    assert warnings_of(capsys, "cylinder") == []
+    [sentence] = warnings_of(capsys, "cylinder", "--set", "cylinder.base_pressure=150 kPa")
+    assert "above limits.speed, 500 mm/s" in sentence and "(it is 150 kPa)" in sentence
+    calm = re.search(r"base_pressure of at most ([\d.]+) kPa", sentence)[1]
+    assert warnings_of(capsys, "cylinder", "--set", f"cylinder.base_pressure={calm} kPa") == []
+    more = f"cylinder.base_pressure={float(calm) + 0.1} kPa"
+    assert len(warnings_of(capsys, "cylinder", "--set", more)) == 1
+
+
+def bored(folder, *lines):
+    """Write a rig of another bore than the one that it extends."""
+    rig = folder / "bored.yaml"
+    plant = "plant:\n  cylinder: {bore: 20 mm}\n"
+    rig.write_text("\n".join(["extends: cylinder", "cylinder:", "  bore: 20 mm", *lines, plant]))
+    return rig
+
+
+def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys):
+    rig = bored(tmp_path, "  base_pressure: 50 kPa")
+    [sentence] = warnings_of(capsys, rig)
+    assert "friction, moving_mass and the gains of pid, pid-friction, cascade: from " in sentence
+    assert "cylinder.yaml, where cylinder.bore is 16 mm (20 mm here)" in sentence
+    assert f"Next: rig calibrate {rig} --all, then rig tune {rig}" in sentence
+
+
+def test_what_a_rig_says_itself_is_not_its_parents(tmp_path, capsys):
+    own = [
+        "  base_pressure: 50 kPa",
+        "  moving_mass: 0.2 kg",
+        "  friction: {coulomb: 9 N, breakaway: 9 N, stribeck_velocity: 8 mm/s, viscous: 50}",
+    ]
+    rig = bored(tmp_path, *own)
+    [sentence] = warnings_of(capsys, rig)
+    assert sentence.startswith("the gains of pid, ") and sentence.endswith(f"rig tune {rig}")
+    assert "calibrate" not in sentence
+    same = tmp_path / "same.yaml"
+    plant = "plant: {home: 29 mm}\n"
+    same.write_text(f"extends: cylinder\ncylinder:\n  bore: 1.6 cm\n  home: 29 mm\n{plant}")
+    assert warnings_of(capsys, same) == []
+
+
 @pytest.mark.parametrize(
     ("rig", "plant"), [("cylinder", "spherical-joint"), ("arm", "legs"), ("legs", "arm")]
 )

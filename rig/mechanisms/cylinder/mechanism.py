@@ -20,9 +20,9 @@ from rig.hal import (
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
 from rig.hal.hindsight import Suspect
-from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
+from rig.hal.quantities import Expected, Margin
 from rig.mechanisms.cylinder.jumps import check_jump
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings

@@ -31,9 +31,9 @@ from rig.hal import (
 )
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.hindsight import Suspect
-from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion, Note
 from rig.hal.picking import DevicePicker
+from rig.hal.quantities import Expected, Margin
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion

@@ -7,7 +7,7 @@ from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.poses import Vector, tilt_of
 from controllers.spherical_joint.types import CameraSample, JointState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
-from rig.hal.mechanism import Margin
+from rig.hal.quantities import Margin
 from rig.mechanisms.joint.alarms.camera import MarkerWatch
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
 from rig.mechanisms.joint.columns import CHANNELS

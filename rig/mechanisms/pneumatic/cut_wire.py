@@ -8,7 +8,8 @@ measured. Venting comes too late to change the speed, and the profile's numbers 
 from functools import lru_cache
 from typing import NamedTuple
 
-from rig.hal.mechanism import Expected
+from rig.hal.formats import format_quantity
+from rig.hal.quantities import Expected
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _STEP = 1e-4
@@ -141,18 +142,24 @@ def expect_cut_wire(
     """
     base = compute_whip(settings, wires, settings.base_pressure)
     most = compute_whip(settings, wires, greatest)
+    calm = compute_calm_pressure(settings, wires)
+    damper = compute_damper(settings, settings.base_pressure)
+    warning = ""
+    if base.speed > settings.limits.speed:
+        warning = (
+            f"that is above limits.speed, {format_quantity(settings.limits.speed, 'm/s')}: a "
+            f"base_pressure of at most {format_quantity(calm, 'Pa')} (it is "
+            f"{format_quantity(settings.base_pressure, 'Pa')}) keeps it, or a damper of "
+            f"{format_quantity(damper, 'N s/m')} at each rod"
+        )
     return (
-        Expected("a cut wire at base_pressure: speed up to", base.speed, "m/s"),
+        Expected("a cut wire at base_pressure: speed up to", base.speed, "m/s", warning),
         Expected("a cut wire at base_pressure: energy up to", base.energy, "J"),
         Expected("greatest pressure opposite a wire", greatest, "Pa"),
         Expected("a cut wire at the greatest pressure: speed up to", most.speed, "m/s"),
         Expected("a cut wire at the greatest pressure: energy up to", most.energy, "J"),
-        Expected(
-            "base_pressure that keeps limits.speed", compute_calm_pressure(settings, wires), "Pa"
-        ),
-        Expected(
-            "or a damper at each rod", compute_damper(settings, settings.base_pressure), "N s/m"
-        ),
+        Expected("base_pressure that keeps limits.speed", calm, "Pa"),
+        Expected("or a damper at each rod", damper, "N s/m"),
     )
 
 

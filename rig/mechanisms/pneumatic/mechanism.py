@@ -14,7 +14,8 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Command, Expected, Mechanism, Reference, State
+from rig.hal.mechanism import Command, Mechanism, Reference, State
+from rig.hal.quantities import Expected
 from rig.mechanisms.pneumatic.cut_wire import expect_cut_wire, refuse_weak_stop
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
@@ -57,6 +58,10 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
 
     channels: ClassVar[tuple[str, ...]]
     """Its chambers."""
+
+    varies_with: ClassVar = dict.fromkeys(
+        ("bore", "rod"), ("friction", "moving_mass", "base_pressure")
+    )
 
     def __init__(
         self,

@@ -14,8 +14,9 @@ from rig.hal import (
     StaleReading,
     Vector,
 )
-from rig.hal.mechanism import Margin, Mechanism, Settings
+from rig.hal.mechanism import Mechanism, Settings
 from rig.hal.picking import DevicePicker
+from rig.hal.quantities import Margin
 from rig.mechanisms.servo.asked import AskedPositions
 from rig.mechanisms.servo.columns import servo_columns as servo_columns  # noqa: PLC0414 - others
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings

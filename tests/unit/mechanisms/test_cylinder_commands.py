@@ -20,7 +20,7 @@ from pneumatic_fakes import (
 from controllers.cylinder.pid import Pid
 from controllers.cylinder.types import PairCommand, PairReference, PairState
 from rig.hal import ConfigurationError
-from rig.hal.mechanism import Margin
+from rig.hal.quantities import Margin
 from rig.mechanisms.cylinder import mechanism
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.mechanisms.cylinder.references import PairMotion

@@ -19,7 +19,7 @@ from pneumatic_fakes import (
 
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointCommand
-from rig.hal.mechanism import Margin
+from rig.hal.quantities import Margin
 from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 

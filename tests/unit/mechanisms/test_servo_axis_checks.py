@@ -21,7 +21,7 @@ from servo_fakes import (
 )
 
 from rig.hal import ConfigurationError, EmergencyStop, LimitExceeded, SafetyError, StaleReading
-from rig.hal.mechanism import Margin
+from rig.hal.quantities import Margin
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes
 from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings

@@ -2,7 +2,7 @@
 
 from typing import Final, NamedTuple
 
-from rig.hal.mechanism import Expected
+from rig.hal.quantities import Expected
 from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 from rig.mechanisms.pneumatic.settings import PneumaticSettings, RegulatorModel, check_can_trip
 
