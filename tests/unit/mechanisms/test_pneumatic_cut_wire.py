@@ -261,3 +261,15 @@ def test_check_shows_both_pressures():
     assert values["a cut wire at base_pressure: speed up to"] == base.speed
     assert values["a cut wire at the greatest pressure: energy up to"] > base.energy
     assert {quantity.unit for quantity in expected} == {"m/s", "J", "Pa", "N s/m"}
+
+
+def test_a_speed_above_the_limit_is_warned_of_and_one_at_it_is_not():
+    fast = compute_whip(PAIR, 2, PAIR.base_pressure).speed
+    warnings = {}
+    for share in (0.9, 1.0, 1.1):
+        limits = dataclasses.replace(PAIR.limits, speed=share * fast)
+        told = expect_cut_wire(dataclasses.replace(PAIR, limits=limits), 2, 285e3)
+        warnings[share] = [quantity.warning for quantity in told if quantity.warning]
+    assert warnings[1.0] == warnings[1.1] == []
+    [sentence] = warnings[0.9]
+    assert "above limits.speed" in sentence and "base_pressure of at most" in sentence
