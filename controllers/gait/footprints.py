@@ -28,11 +28,11 @@ class Footstep:
         Which one.
     x, y : float
         Where the point under its ankle comes down, m: ahead and to the left of the middle
-        between the ankles at the start.
+        between these points of both feet at the start.
     heading : float
         Where the toes point, rad; positive to the left.
     height : float
-        Of that point over the ground of the start, m.
+        Of that point over that middle, m.
     pitch, roll : float
         How the ground slopes there, rad: positive with the toes down, and with the left edge up.
     lift : float, optional
@@ -69,7 +69,7 @@ class StepNumbers:
     turn : float
         How far it turns with each, rad; positive to the left.
     rise : float
-        How much higher it is each time, m.
+        How much higher it is each time, m; on a slope, beyond what that goes up.
     width : float, optional
         Between the ankles across the heading, m. None: as the hips are apart.
     together : bool
@@ -111,6 +111,9 @@ class SteppingSettings(GaitRequest):
         step that needs the lowest hips.
     hip : float, optional
         The hips' height above the ankle that the waist is over, m.
+    start_pitch, start_roll : float
+        How the ground slopes on which both feet begin, rad: positive with the toes down, and with
+        the left side up. The waist stands upright on it; `numbers` go on over the same slope.
     first_shift_time, shift_time, swing_time, last_shift_time : float
         s at speed 1.
     speed : float
@@ -125,6 +128,8 @@ class SteppingSettings(GaitRequest):
     follow: Annotated[float, Unit("m"), Ge(0), Le(0.2)] = 0.0
     knee_min: Knee = NEARLY_STRAIGHT
     hip: Annotated[float, Unit("m"), Gt(0)] | None = None
+    start_pitch: Tilt = 0.0
+    start_roll: Tilt = 0.0
     first_shift_time: Duration = 3.0
     shift_time: Duration = 3.0
     swing_time: Duration = 4.0

@@ -4,9 +4,12 @@ import math
 
 from controllers.gait.footprints import Foot, Footstep, StepNumbers
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.ground_plane import GroundPlane
 
 
-def number_footsteps(geometry: LegGeometry, numbers: StepNumbers) -> tuple[Footstep, ...]:
+def number_footsteps(
+    geometry: LegGeometry, numbers: StepNumbers, ground: GroundPlane
+) -> tuple[Footstep, ...]:
     """Return the footprints of numbers.
 
     Parameters
@@ -15,6 +18,8 @@ def number_footsteps(geometry: LegGeometry, numbers: StepNumbers) -> tuple[Foots
         For the width of the stance.
     numbers : StepNumbers
         How they go on.
+    ground : GroundPlane
+        On which they do.
     """
     width = 2.0 * geometry.hip_half_spacing if numbers.width is None else numbers.width
     other: Foot = "left" if numbers.first == "right" else "right"
@@ -24,7 +29,9 @@ def number_footsteps(geometry: LegGeometry, numbers: StepNumbers) -> tuple[Foots
     def put(foot: Foot) -> None:
         side = 0.5 * width if foot == "left" else -0.5 * width
         s, c = math.sin(heading), math.cos(heading)
-        steps.append(Footstep(foot, x - s * side, y + c * side, heading, height))
+        at, lies = (x - s * side, y + c * side), ground.tilt(heading)
+        over = height + ground.height(*at)
+        steps.append(Footstep(foot, *at, heading, over, lies.pitch, lies.roll))
 
     foot = numbers.first
     for number in range(numbers.count):

@@ -9,9 +9,10 @@ from controllers.bisection import bisect
 from controllers.gait.footprints import Footstep, SteppingSettings
 from controllers.gait.footstep_checks import BeyondLeg, MeetsGround, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
+from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.kinematics import Vector
 from controllers.gait.phases import DurationSetting, GaitPhase
-from controllers.gait.turning import FLAT, Attitude, PhaseTurning, rotation_of
+from controllers.gait.turning import Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
 _ROUNDS = 12
@@ -123,7 +124,9 @@ def _passes(geometry: LegGeometry, phase: GaitPhase) -> bool:
 
 def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]) -> _Walk:
     spacing = geometry.hip_half_spacing
-    feet = [Sole((0.0, -spacing, 0.0), FLAT), Sole((0.0, spacing, 0.0), FLAT)]
+    ground = GroundPlane(settings.start_pitch, settings.start_roll)
+    lies: Attitude = (settings.start_roll, settings.start_pitch, 0.0)
+    feet = [Sole((0.0, y, ground.height(0.0, y)), lies) for y in (-spacing, spacing)]
     start, stances, yaw = (feet[0], feet[1]), [], 0.0
     for number, step in enumerate(steps, 1):
         leg = LEGS.index(step.foot)
@@ -214,7 +217,8 @@ def _phases(
 ) -> tuple[tuple[GaitPhase, ...], tuple[int, ...]]:
     """Return the phases, and the number of the step that each belongs to."""
     feet = list(walk.start)
-    waist, yaw = (settings.ahead, 0.0, hip + geometry.ankle_height), 0.0
+    yaw = 0.0
+    waist = _midway(geometry, settings, walk.start, yaw, hip)
     phases: list[GaitPhase] = []
     numbers: list[int] = []
 
@@ -266,14 +270,25 @@ def _phases(
         )
         numbers.append(number)
         feet[stance.leg] = stance.after
-    right, left = feet
-    ends = [sole.ankle(geometry) for sole in (right, left)]
-    heading = 0.5 * (right.attitude[2] + left.attitude[2])
-    x, y, z = (0.5 * (a + b) for a, b in zip(*ends, strict=True))
-    x, y = x + settings.ahead * math.cos(heading), y + settings.ahead * math.sin(heading)
+    heading = 0.5 * (feet[0].attitude[2] + feet[1].attitude[2])
+    end = _midway(geometry, settings, (feet[0], feet[1]), heading, hip)
     last = DurationSetting("last_shift_time")
-    shift(len(steps), (x, y, z + hip), heading, settings.last_shift_time, last)
+    shift(len(steps), end, heading, settings.last_shift_time, last)
     return tuple(phases), tuple(numbers)
+
+
+def _midway(
+    geometry: LegGeometry,
+    settings: SteppingSettings,
+    feet: tuple[Sole, Sole],
+    heading: float,
+    hip: float,
+) -> Vector:
+    """Return where the waist is midway between both ankles, or as far ahead as it is to be, m."""
+    ankles = [sole.ankle(geometry) for sole in feet]
+    x, y, z = (0.5 * (a + b) for a, b in zip(*ankles, strict=True))
+    x, y = x + settings.ahead * math.cos(heading), y + settings.ahead * math.sin(heading)
+    return (x, y, z + hip)
 
 
 def _what_fits(
@@ -293,9 +308,10 @@ def _what_fits(
     before = list(steps[:number])
     asked = before.pop()
     stance = _walk(geometry, settings, [*before, asked]).stances[-1]
-    (x, y, z), (_, _, yaw) = stance.support.at, stance.support.attitude
+    (x, y, z), (roll, pitch, yaw) = stance.support.at, stance.support.attitude
     aside = 2.0 * geometry.side(stance.leg)
-    beside = (x - math.sin(yaw) * aside, y + math.cos(yaw) * aside, z, yaw, 0.0, 0.0)
+    up = GroundPlane(pitch, roll).height(0.0, aside)
+    beside = (x - math.sin(yaw) * aside, y + math.cos(yaw) * aside, z + up, yaw, pitch, roll)
     there = (*stance.after.at, stance.after.attitude[2], asked.pitch, asked.roll)
 
     def part(share: float) -> Footstep:
@@ -341,8 +357,13 @@ def _what_fits(
         return ""
     most = part(bisect(lambda at: fits(part(at)), share, share + _LEAST, _ROUNDS)[0])
     what = f"step {number}" if hip is None else "it"
+    tilts = ""
+    if (pitch, roll) != (asked.pitch, asked.roll):
+        tilts = (
+            f", pitch {math.degrees(most.pitch):.1f} deg, roll {math.degrees(most.roll):.1f} deg"
+        )
     return (
         f" From beside the standing foot {what} would fit as far as x {most.x * 1e3:.1f} mm, "
         f"y {most.y * 1e3:.1f} mm, heading {math.degrees(most.heading):.1f} deg, "
-        f"height {most.height * 1e3:.1f} mm."
+        f"height {most.height * 1e3:.1f} mm{tilts}."
     )

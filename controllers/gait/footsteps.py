@@ -12,6 +12,7 @@ from controllers.gait.footstep_file import lines_of_steps, read_footsteps
 from controllers.gait.footstep_numbers import number_footsteps
 from controllers.gait.footstep_phases import plan_footsteps
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.motions import SquatSettings, WalkSettings
 from controllers.gait.phases import GaitPhase
 from controllers.motion import InfeasibleMotion
@@ -24,8 +25,8 @@ class FootstepsSettings(SteppingSettings):
     """A walk over given footprints, in balance at every instant.
 
     The waist goes in a straight line from over one ankle to over the next while both feet stand,
-    turning to where the standing foot points, and rests while a foot swings. Both feet begin flat
-    under the hips, and in the end the waist is midway between them.
+    turning to where the standing foot points, and rests while a foot swings. Both feet begin under
+    the hips, on one plane, and in the end the waist is midway between them.
 
     Parameters
     ----------
@@ -62,7 +63,8 @@ class FootstepsSettings(SteppingSettings):
         """
         if self.file is not None:
             return read_footsteps(Path(self.file))
-        return self.steps or number_footsteps(geometry, self.numbers or StepNumbers())
+        ground = GroundPlane(self.start_pitch, self.start_roll)
+        return self.steps or number_footsteps(geometry, self.numbers or StepNumbers(), ground)
 
     def with_line(self, message: str) -> str:
         """Return a message with the line of the file for each step or phase that it names.

@@ -5,6 +5,7 @@ The bounds are those of the experiments' own files; what depends on the law is g
 
 import math
 
+import numpy as np
 import pytest
 from legs_bench import CONFIGS
 
@@ -108,6 +109,33 @@ def test_slope_is_climbed(tmp_path):
         "reference.follow=25 mm", "metrics.peak_norm_rate={}",
     )  # fmt: skip
     assert found["feet_astray_end"] < 5e-3
+
+
+def on_slope(tmp_path, pitch, roll, numbers):
+    sets = [f"{key}_pitch={pitch}" for key in ("reference.start", "plant.floor")]
+    sets += [f"{key}_roll={roll}" for key in ("reference.start", "plant.floor")]
+    return measure(
+        tmp_path, "legs-footsteps", "reference.steps=[]", f"reference.numbers={numbers}", *sets,
+        "metrics.feet_astray_end={segments: all, max: 8 mm}",
+    )  # fmt: skip
+
+
+def test_a_walk_that_begins_on_a_slope_ends_on_its_prints(tmp_path):
+    found = on_slope(tmp_path, -0.07, 0.04, "{count: 2, length: 20 mm}")
+    assert found["fell"] == 0.0
+    assert found["feet_astray_end"] > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_drawn_walks_on_drawn_slopes_end_on_their_prints(tmp_path, seed):
+    rng = np.random.default_rng((17, seed))
+    pitch, roll = rng.uniform(-0.09, 0.09), rng.uniform(-0.07, 0.07)
+    turn, length = rng.uniform(-0.1, 0.1), rng.uniform(0.005, 0.03)
+    numbers = f"{{count: 4, length: {length}, turn: {turn}}}"
+    found = on_slope(tmp_path, pitch, roll, numbers)
+    assert found["fell"] == 0.0
+    assert found["feet_astray_end"] < 8e-3
 
 
 def slope_height(ahead, slope):

@@ -8,13 +8,13 @@ import numpy as np
 from drivers.sim.plants.leg_sensors import FAULTS, SENSORS, LegSensors
 from drivers.sim.plants.legs_model import (
     CHANNELS,
-    JOINTS,
+    FloorSlope,
     LegDeviations,
     LegDimensions,
     attitude,
     build_model,
-    knee_at_height,
     lowest_corner,
+    stand_on,
 )
 from drivers.sim.plants.legs_settings import LegsPlantSettings
 from drivers.sim.plants.push import LEVEL, Push
@@ -93,6 +93,7 @@ class LegsPlant:
             raise ValueError(f"stand: {len(settings.stand)} angles for {len(CHANNELS)} joints.")
         self.settings = settings
         self.deviations = _draw(settings, seed)
+        self._floor = FloorSlope(settings.floor_pitch, settings.floor_roll)
         self.model = build_model(
             geometry,
             settings.servo,
@@ -100,6 +101,7 @@ class LegsPlant:
             timestep=settings.timestep,
             deviations=self.deviations,
             terrain=settings.terrain,
+            floor=self._floor,
         )
         self.data = mujoco.MjData(self.model)
         self._step: Any = mujoco.mj_step
@@ -300,14 +302,12 @@ class LegsPlant:
 
     def _stand_ready(self, geometry: LegDimensions) -> None:
         """Put the robot on its stand: both soles flat on the floor, or as the settings have it."""
-        height = self.settings.initial_hip_height
-        pitch, knee, ankle = knee_at_height(geometry.thigh, geometry.shank, height)
-        leg = dict.fromkeys(JOINTS, 0.0) | {"hip_pitch": pitch, "knee": knee, "ankle_pitch": ankle}
-        self._angles[:] = self.settings.stand or [leg[joint] for joint in JOINTS] * 2
-        self._waist[:] = (0.0, 0.0, height + geometry.ankle_height, 1.0, 0.0, 0.0, 0.0)
+        waist, joints = stand_on(geometry, self.settings.initial_hip_height, self._floor)
+        self._angles[:] = self.settings.stand or joints
+        self._waist[:] = (*waist, 1.0, 0.0, 0.0, 0.0)
         self._forward(self.model, self.data)
         if self.settings.stand:  # which a jig holds as high as its soles need, not in the floor
-            self._waist[2] -= lowest_corner(self.model, self.data, self._sole_geoms)
+            self._waist[2] -= lowest_corner(self.model, self.data, self._sole_geoms, self._floor)
             self._forward(self.model, self.data)
 
     def _set_power(self) -> None:
@@ -356,7 +356,8 @@ class LegsPlant:
                 here = math.hypot(x - anchor[0], y - anchor[1])
                 self._slips[foot] = self._slipped[foot] + here
         if not self._fell:
-            _, _, height, *turned = self._waist.tolist()
+            x, y, z, *turned = self._waist.tolist()
+            height = z - self._floor.height(x, y)
             roll, pitch, _ = attitude(*turned)
             lean = math.acos(max(-1.0, min(1.0, math.cos(roll) * math.cos(pitch))))
             low = 0.5 * self.settings.initial_hip_height

@@ -68,6 +68,40 @@ class LegDimensions(Protocol):
         """Of a leg's servos, N m."""
 
 
+class FloorSlope(NamedTuple):
+    """A floor through the middle between the soles of a robot that stands ready.
+
+    Parameters
+    ----------
+    pitch, roll : float
+        rad: the way ahead goes down, the left side is higher.
+    """
+
+    pitch: float = 0.0
+    roll: float = 0.0
+
+    @property
+    def normal(self) -> Vector3:
+        """Away from the floor."""
+        s, c = math.sin(self.roll), math.cos(self.roll)
+        return (math.sin(self.pitch) * c, 0.0 - s, math.cos(self.pitch) * c)
+
+    @property
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """Turns the vertical to the normal, about y and then about the turned x."""
+        s, c = math.sin(0.5 * self.pitch), math.cos(0.5 * self.pitch)
+        sr, cr = math.sin(0.5 * self.roll), math.cos(0.5 * self.roll)
+        return (c * cr, c * sr, s * cr, -s * sr)
+
+    def height(self, x: float, y: float) -> float:
+        """Return how high the floor is there, m."""
+        ahead, left, up = self.normal
+        return -(ahead * x + left * y) / up
+
+
+LEVEL_FLOOR = FloorSlope()
+
+
 class LegDeviations(NamedTuple):
     """Differences of a unit from its drawing.
 
@@ -111,6 +145,7 @@ def build_model(
     timestep: float,
     deviations: LegDeviations = NOMINAL,
     terrain: tuple[TerrainBlock, ...] = (),
+    floor: FloorSlope = LEVEL_FLOOR,
 ) -> "mujoco.MjModel":
     """Return the whole robot with its floor.
 
@@ -131,11 +166,13 @@ def build_model(
         Of this unit.
     terrain : tuple of TerrainBlock
         What is on the floor: geoms ``terrain_0`` and so on.
+    floor : FloorSlope
+        Of the floor itself.
     """
     import mujoco
 
     return mujoco.MjModel.from_xml_string(
-        describe(geometry, servo, floor_friction, timestep, deviations, terrain)
+        describe(geometry, servo, floor_friction, timestep, deviations, terrain, floor)
     )
 
 
@@ -146,6 +183,7 @@ def describe(
     timestep: float,
     deviations: LegDeviations = NOMINAL,
     terrain: tuple[TerrainBlock, ...] = (),
+    floor: FloorSlope = LEVEL_FLOOR,
 ) -> str:
     """Return the same as MJCF text; its form is the same in all of MuJoCo's versions."""
     root = Element("mujoco", model="legs")
@@ -159,6 +197,7 @@ def describe(
         name="floor",
         type="plane",
         size=(2.0, 2.0, 0.1),
+        quat=floor.quaternion,
         friction=(floor_friction * deviations.floor, 0.005, 0.0001),
         solref=_CONTACT,
     )
@@ -290,13 +329,45 @@ def _add_inertia(body: Element, mass: float, centre: Vector3, size: Vector3) -> 
     add(body, "inertial", mass=mass, pos=centre, diaginertia=(y + z, x + z, x + y))
 
 
-def lowest_corner(model: "mujoco.MjModel", data: "mujoco.MjData", boxes: Sequence[int]) -> float:
-    """Return how high the lowest corner of some boxes, geometries by their numbers, is, m."""
+def lowest_corner(
+    model: "mujoco.MjModel", data: "mujoco.MjData", boxes: Sequence[int], floor: FloorSlope
+) -> float:
+    """Return how high over a floor the lowest corner of some boxes, by their numbers, is, m."""
+    up = np.array(floor.normal)
     heights = [
-        data.geom_xpos[box, 2] - np.abs(data.geom_xmat[box].reshape(3, 3)[2]) @ model.geom_size[box]
+        up @ data.geom_xpos[box]
+        - np.abs(up @ data.geom_xmat[box].reshape(3, 3)) @ model.geom_size[box]
         for box in boxes
     ]
-    return float(min(heights))
+    return float(min(heights)) / float(up[2])
+
+
+def stand_on(
+    geometry: LegDimensions, height: float, floor: FloorSlope
+) -> tuple[Vector3, list[float]]:
+    """Return the waist's place (m) and the joints (rad) of a robot that stands upright on a floor.
+
+    Parameters
+    ----------
+    geometry : LegDimensions
+        The legs.
+    height : float
+        Of the hips above the middle between the ankles, m.
+    floor : FloorSlope
+        On which both soles are flat.
+
+    Raises
+    ------
+    ValueError
+        A leg does not reach.
+    """
+    x, y, up = (geometry.ankle_height * part for part in floor.normal)
+    joints: list[float] = []
+    for side in (-1.0, 1.0):
+        own = height - floor.height(0.0, side * geometry.hip_half_spacing)
+        pitch, knee, ankle = knee_at_height(geometry.thigh, geometry.shank, own)
+        joints += [0.0, 0.0, pitch, knee, ankle + floor.pitch, floor.roll]
+    return (x, y, up + height), joints
 
 
 def knee_at_height(thigh: float, shank: float, height: float) -> tuple[float, float, float]:

@@ -71,7 +71,7 @@ class LegsPlantSettings:
         Bounds of the relative deviations of each link's mass, and of each joint's friction and
         the floor's, from unit to unit.
     initial_hip_height : float
-        Of the hips above the ankles while the robot stands ready, m.
+        Of the hips above the middle between the ankles while the robot stands ready, m.
     stand : tuple of float
         Angles of the twelve joints on the stand instead, as in a jig, rad. A robot whose soles
         are not on the floor then falls as soon as all servos have torque.
@@ -86,6 +86,10 @@ class LegsPlantSettings:
     ground_roll, ground_pitch : float
         By how much the whole ground is inclined about x and y, rad; what stands on it is not
         told. Positive: the left side is higher, the way ahead goes down.
+    floor_pitch, floor_roll : float
+        How the floor slopes below a robot that stands ready upright on it, as a plan with
+        `start_pitch` and `start_roll` says it, rad: the way ahead goes down, the left side is
+        higher. It goes through the middle between the soles.
     stiffness_spread : float
         Bound of the relative deviation of each servo's stiffness from unit to unit.
     """
@@ -102,6 +106,8 @@ class LegsPlantSettings:
     sensors: LegSensorSettings = field(default_factory=LegSensorSettings)
     ground_roll: Annotated[float, Unit("rad"), Interval(ge=-0.3, le=0.3)] = 0.0
     ground_pitch: Annotated[float, Unit("rad"), Interval(ge=-0.3, le=0.3)] = 0.0
+    floor_pitch: Annotated[float, Unit("rad"), Interval(ge=-0.5, le=0.5)] = 0.0
+    floor_roll: Annotated[float, Unit("rad"), Interval(ge=-0.5, le=0.5)] = 0.0
     stiffness_spread: Annotated[float, Interval(ge=0.0, lt=0.9)] = 0.0
 
     def variant(self) -> None:

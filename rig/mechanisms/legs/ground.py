@@ -6,9 +6,12 @@ from typing import Protocol, cast
 
 from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.ground_plane import GroundPlane
 
 _OFF = 2e-3
 """m; a print that is farther from the ground is another ground's. Soles land as hard as that."""
+_TURNED = math.radians(0.5)
+"""rad; ground whose slope is farther from that of the plan is another ground."""
 
 
 class _Block(Protocol):
@@ -20,25 +23,40 @@ class _Block(Protocol):
 
 class _Ground(Protocol):
     terrain: Iterable[_Block]
+    floor_pitch: float
+    floor_roll: float
 
 
 def prints_off_ground(geometry: LegGeometry, reference: object, plant: object) -> tuple[str, ...]:
-    """Say which footprint is the first that lies above or below the simulated ground.
+    """Say how the ground of the start is otherwise, or which footprint is off it as the first.
 
     Parameters
     ----------
     geometry : LegGeometry
         The legs.
     reference : object
-        The experiment's; those without footprints walk on the level.
+        The experiment's; those without footprints begin and walk on the level.
     plant : object
         Settings of the plant.
     """
-    if not isinstance(reference, FootstepsSettings) or not hasattr(plant, "terrain"):
+    if not hasattr(plant, "terrain"):
         return ()
-    terrain = tuple(cast("_Ground", plant).terrain)
-    for number, step in enumerate(reference.footsteps(geometry), 1):
-        ground = _height(terrain, step.x)
+    its = cast("_Ground", plant)
+    walk = reference if isinstance(reference, FootstepsSettings) else None
+    start = GroundPlane(walk.start_pitch, walk.start_roll) if walk else GroundPlane()
+    floor = GroundPlane(its.floor_pitch, its.floor_roll)
+    for name, planned, simulated in zip(GroundPlane._fields, start, floor, strict=True):
+        if abs(planned - simulated) > _TURNED:
+            return (
+                f"the plan begins on ground with a {name} of {math.degrees(planned):.4g} deg "
+                f"(reference.start_{name}), and the simulated floor has "
+                f"{math.degrees(simulated):.4g} deg (plant.floor_{name})",
+            )
+    if walk is None:
+        return ()
+    terrain = tuple(its.terrain)
+    for number, step in enumerate(walk.footsteps(geometry), 1):
+        ground = max(_height(terrain, step.x), floor.height(step.x, step.y))
         if abs(step.height - ground) > _OFF:
             return (
                 f"step {number} is planned to land {_words(step.height)}, and the simulated ground "
@@ -54,10 +72,10 @@ def _words(height: float) -> str:
 
 
 def _height(terrain: Iterable[_Block], ahead: float) -> float:
-    """Return how high the ground is so far ahead, m."""
+    """Return how high what lies on the floor is so far ahead, m; minus infinity: nothing does."""
     levels = [
         block.height + math.tan(block.slope) * (ahead - block.start)
         for block in terrain
         if block.start <= ahead <= block.start + block.length
     ]
-    return max(levels, default=0.0)
+    return max(levels, default=-math.inf)

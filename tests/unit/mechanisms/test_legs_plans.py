@@ -55,13 +55,28 @@ def test_nothing_of_a_refused_walk_is_left_to_run():
     ("rise", "ground", "said"),
     [
         (-0.012, 0.0, "12 mm below the start, and the simulated ground there is level with"),
-        (0.012, -0.02, "12 mm above the start, and the simulated ground there is 20 mm below the"),
+        (0.012, -0.02, "12 mm above the start, and the simulated ground there is level with"),
         (0.0, 0.01, "level with the start, and the simulated ground there is 10 mm above the"),
     ],
 )
 def test_a_print_off_the_simulated_ground_is_told_as_above_or_below(rise, ground, said):
     numbers = StepNumbers(count=1, length=0.1, rise=rise, together=True)
     block = SimpleNamespace(start=0.05, length=1.0, height=ground, slope=0.0)
-    plant = SimpleNamespace(terrain=(block,))
+    plant = SimpleNamespace(terrain=(block,), floor_pitch=0.0, floor_roll=0.0)
     (note,) = prints_off_ground(LegGeometry(), FootstepsSettings(numbers=numbers), plant)
     assert said in note
+
+
+def test_a_floor_that_slopes_otherwise_than_the_plan_begins_is_told():
+    def told(pitch, roll, **settings):
+        plant = SimpleNamespace(terrain=(), floor_pitch=pitch, floor_roll=roll)
+        walk = FootstepsSettings(numbers=StepNumbers(count=3), **settings)
+        return prints_off_ground(LegGeometry(), walk, plant)
+
+    tilts = {"start_pitch": 0.06, "start_roll": -0.04}
+    assert told(0.06, -0.04, **tilts) == ()
+    (note,) = told(0.06, 0.0, **tilts)
+    assert "a roll of -2.292 deg (reference.start_roll)" in note
+    assert "has 0 deg (plant.floor_roll)" in note
+    (note,) = told(0.06, 0.0)
+    assert "a pitch of 0 deg" in note

@@ -346,3 +346,30 @@ def test_a_slippery_floor_is_slippery_on_its_treads_too():
     assert (plant.model.geom_friction[grounds, 0] == 0.1).all()
     plant.inject("floor_grips")
     np.testing.assert_array_equal(plant.model.geom_friction[grounds, 0], own)
+
+
+@pytest.mark.parametrize(("pitch", "roll"), [(0.0, 0.0), (0.1, 0.0), (0.0, -0.06), (-0.07, 0.05)])
+def test_a_robot_stands_ready_upright_on_a_floor_that_slopes(pitch, roll):
+    """Both soles flat on it, by MuJoCo's own kinematics; and it stays there on its servos."""
+    plant = make(floor_pitch=pitch, floor_roll=roll, servo=LegServoSettings(stiffness=1000.0))
+    turned = plant.data.geom("right_sole").xmat.reshape(3, 3)
+    normal = turned[:, 2].copy()
+    np.testing.assert_allclose(turned, plant.data.geom("left_sole").xmat.reshape(3, 3), atol=1e-12)
+    np.testing.assert_allclose(
+        plant.data.geom("floor").xmat.reshape(3, 3)[:, 2], normal, atol=1e-12
+    )
+    assert math.atan2(normal[0], normal[2]) == pytest.approx(pitch)
+    assert -math.asin(normal[1]) == pytest.approx(roll)
+    for leg, side in (("right", -1.0), ("left", 1.0)):
+        sole = plant.data.site(f"{leg}_sole").xpos
+        np.testing.assert_allclose(sole[:2], (0.0, side * GEOMETRY.hip_half_spacing), atol=1e-12)
+        assert abs(normal @ sole) < 1e-12
+    truth = dict(zip((name for name, _ in plant.truth_columns), plant.truth(), strict=True))
+    assert (truth["waist_roll"], truth["waist_pitch"]) == (0.0, 0.0)
+    for channel in range(12):
+        plant.command_joint(channel, plant.joint_position(channel), 0.0, True)
+    plant.advance(2.0)
+    truth = dict(zip((name for name, _ in plant.truth_columns), plant.truth(), strict=True))
+    assert truth["fell"] == 0.0
+    assert max(truth["slip_right"], truth["slip_left"]) < 2e-3
+    assert abs(truth["waist_pitch"]) < 0.03

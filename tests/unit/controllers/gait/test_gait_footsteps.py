@@ -416,3 +416,33 @@ def test_the_times_that_a_refusal_names_are_enough_for_the_whole_walk(law, tmp_p
         footsteps[int(number) - 1] = replace(footsteps[int(number) - 1], **{key: float(time)})
     longer = replace(walk, file=None, steps=tuple(footsteps))
     smooth.prepare(replace(longer, **{key: float(time) for key, time in named}))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_walk_begins_on_a_slope_and_goes_on_over_it(seed):
+    """Soles lie on one plane from the first instant, the waist is upright midway over them."""
+    rng = np.random.default_rng((93, seed))
+    pitch, roll = rng.uniform(-0.08, 0.08), rng.uniform(-0.05, 0.05)
+    numbers = StepNumbers(
+        count=3, length=rng.uniform(0.0, 0.03), turn=rng.uniform(-0.06, 0.06),
+        first=("right", "left")[seed % 2],
+    )  # fmt: skip
+    walk = {"start_pitch": pitch, "start_roll": roll, "ahead": 0.004, "sway": 0.9}
+    made = plan(numbers=numbers, **walk)
+    normal = attitude(roll, pitch, 0.0)[:, 2]
+    stood = prints_of(made)
+    assert len(stood) > 20
+    for _, _, at, foot in stood:
+        assert abs(normal @ at) < OFF
+        np.testing.assert_allclose(foot[:, 2], normal, atol=1e-9)
+    soles = [sole_of(made.q[0, 6 * leg : 6 * leg + 6], leg, made.waist[0], 0.0) for leg in (0, 1)]
+    for (at, foot), side in zip(soles, (-0.039, 0.039), strict=True):
+        np.testing.assert_allclose(at[:2], (0.0, side), atol=OFF)
+        np.testing.assert_allclose(foot, attitude(roll, pitch, 0.0), atol=1e-9)
+    ankles = [at + GEOMETRY.ankle_height * foot[:, 2] for at, foot in soles]
+    np.testing.assert_allclose(
+        made.waist[0, :2], np.add(np.mean(ankles, axis=0)[:2], (0.004, 0.0)), atol=OFF
+    )
+    # The same, print by print.
+    steps = FootstepsSettings(numbers=numbers, **walk).footsteps(GEOMETRY)
+    np.testing.assert_array_equal(plan(steps=steps, **walk).q, made.q)
