@@ -2,6 +2,7 @@
 
 from rig.assembly.build import build_rig, check_fitness, check_profile
 from rig.assembly.buses import bus_loads
+from rig.assembly.channels import check_channels
 from rig.assembly.on_interfaces import backend_of, parse_interfaces
 from rig.assembly.production import controller_class, make_controller, make_law, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledParts
@@ -15,6 +16,7 @@ __all__ = [
     "backend_of",
     "build_rig",
     "bus_loads",
+    "check_channels",
     "check_fitness",
     "check_profile",
     "controller_class",

@@ -7,6 +7,7 @@ from typing import Any
 
 from rig.assembly.answers import check_answers
 from rig.assembly.buses import bus_loads, make_bus
+from rig.assembly.channels import check_channels
 from rig.assembly.interface_lock import InterfaceLocks
 from rig.assembly.on_interfaces import Interfaces, parse_interfaces
 from rig.assembly.production import make_devices, make_mechanism
@@ -190,6 +191,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     if backend is Backend.HARDWARE:
         check_fitness(profile)
     if backend.is_simulated:
+        check_channels(profile)
         from rig.assembly.simulated import build_sim, build_virtual
 
         return build_sim(profile) if backend is Backend.SIM else build_virtual(profile, frames)

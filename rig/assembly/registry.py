@@ -154,6 +154,11 @@ class InstalledParts:
         rows = [row.plants[plant] for row in additions() if plant in row.plants]
         return any(row.lends_kernel for row in rows)
 
+    def plant_channels(self, plant: str) -> tuple[str, ...]:
+        """Return what a plant has channels for, as its row says; empty: it does not say."""
+        rows = [row.plants[plant] for row in additions() if plant in row.plants]
+        return rows[0].channels if rows else ()
+
     def bench(self, mechanism: str) -> type[TuningBench] | None:
         """Return what `rig tune` tries gains of a mechanism on; None: there is nothing."""
         path = self.mechanism(mechanism).bench

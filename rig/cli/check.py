@@ -49,6 +49,8 @@ def check(
 
     Nothing is opened, unless --on says so. Every error of a file is shown at once, with its line.
     """
+    from rig.assembly import check_channels
+    from rig.cli.check_warnings import warnings_of
     from rig.cli.description import (
         describe_experiment,
         describe_frozen,
@@ -72,6 +74,7 @@ def check(
         from rig.cli.check_bus import check_buses
 
         return check_buses(profile, _on_bus(on), as_json=as_json)
+    check_channels(profile)
     described = describe_profile(profile)
     if plan is None:
         content: dict[str, object] = {"profile": described}
@@ -82,7 +85,7 @@ def check(
         experiment["frozen"] = describe_frozen(plan)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
-    warnings = _warnings(profile, configs)
+    warnings = warnings_of(profile, configs)
     if as_json:
         print_json({**content, "warnings": warnings})
     else:
@@ -93,22 +96,6 @@ def check(
             click.echo(sentence, err=True)
         click.echo(f"{source}: valid", err=True)
     return 0
-
-
-def _warnings(profile: Profile, configs: Path | None) -> list[str]:
-    """Return what is valid, and yet is not what a rig wants that is to be run."""
-    from rig.assembly import REGISTRY
-    from rig.cli.inherited import inherited_sentences
-    from rig.config.names import find_configs
-    from rig.hal.formats import format_quantity
-
-    view = REGISTRY.load("mechanism", profile.mechanism)
-    told = [
-        f"{of.name} {format_quantity(of.value, of.unit)}: {of.warning}"
-        for of in view.expected_of(profile.mechanism_settings)
-        if of.warning
-    ]
-    return told + inherited_sentences(profile, find_configs(configs))
 
 
 def _on_bus(on: str) -> str:

@@ -21,11 +21,14 @@ from rig.cli.tables import print_data, print_json
 from rig.run_names import LATEST, find_run
 
 if TYPE_CHECKING:
+    from rig.config import Profile
     from rig.explaining.glossary import Word
 
 _MOST = 12
 """More meanings of one word than this are counted, and told by their full names."""
 _WIDTH = 96
+_GROUPS = ("reading", "estimate", "applied", "device", "truth")
+"""Of the columns of logs."""
 
 
 @click.command()
@@ -33,7 +36,7 @@ _WIDTH = 96
 @runs_option
 @click.option(
     "--rig", "rig", metavar="PROFILE", shell_complete=complete_rig,
-    help="Also what the packages of others say that this profile names.",
+    help="Also the columns of its log, and what the packages of others say that it names.",
 )  # fmt: skip
 @configs_option
 @json_option
@@ -41,16 +44,17 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
     """Say what WORD means, or why a run stopped and what to do; default: the newest run.
 
     WORD is a key of a profile, an experiment, a sweep or a scenario of faults (`loop.rate`, or
-    `rate` alone), a measure, a figure, a law, a driver, a kind of motion, a plant, a command, an
-    exit code, a kind of fault, a message of this program in quotes, or a run. Without WORD, a
-    `rig run` that was refused since the newest run is what is told.
+    `rate` alone), a measure, a figure, a law, a driver, a kind of motion, a plant, a column of a
+    log, a command, an exit code, a kind of fault, a message of this program in quotes, or a run.
+    Without WORD, a `rig run` that was refused since the newest run is what is told.
     """
+    profile: Profile | None = None
     if rig is not None:
         from rig.assembly import REGISTRY
         from rig.config import find_configs, load_profile
 
-        load_profile(rig, REGISTRY, (), find_configs(configs))
-    told = _explain(word, runs)
+        profile = load_profile(rig, REGISTRY, (), find_configs(configs))
+    told = _explain(word, runs, profile)
     if as_json:
         print_json([{"label": label, "text": text} for label, text in told])
     else:
@@ -68,7 +72,7 @@ def _line(label: str, text: str) -> str:
     )  # fmt: skip
 
 
-def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
+def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[str, str]]:
     from rig.explaining.ended_run import explain_run
     from rig.explaining.faults import topic_of
     from rig.hal import ConfigurationError
@@ -85,9 +89,18 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
     known = _known(word)
     if known:
         return known
+    from rig.explaining.columns import columns_called
+
+    if columns := columns_called(word, profile, runs):
+        return [(_title(column), column.text) for column in columns]
     topic = topic_of(word) if " " in word.strip() else None
     if topic is not None:
         return topic.remarks()
+    if word.partition(".")[0] in _GROUPS:
+        raise ConfigurationError(
+            f"neither a key nor a column of the newest run's log is called {word!r}; --rig PROFILE "
+            "knows the columns of that rig, `rig export RUN --format csv` shows those of a run"
+        )
     near = difflib.get_close_matches(word, _names(), n=3)
     hint = (
         f"did you mean {' or '.join(near)}?" if near else "`rig explain --help` says what it knows"

@@ -31,6 +31,9 @@ class PlantModel:
         It is a `rig.hal.RestorablePlant`; without that nothing is known of frozen setpoints.
     lends_kernel : bool
         It is a `rig.hal.plant.LendingPlant`; without that `rig tune` cannot work with it.
+    channels : tuple of str
+        Its `rig.hal.Plant.channel_names`, by which `rig check` knows a device that is mounted on
+        none; without it only a run says so.
     """
 
     settings: Path
@@ -38,6 +41,7 @@ class PlantModel:
     hazards: Path | None = None
     is_restorable: bool = False
     lends_kernel: bool = False
+    channels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

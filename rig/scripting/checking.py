@@ -27,7 +27,9 @@ def check(
     ConfigurationError
         It is not valid; with every error of the file, or why its motion cannot be.
     """
+    from rig.assembly import check_channels
     from rig.cli.check import load
+    from rig.cli.check_warnings import warnings_of
     from rig.cli.description import (
         describe_experiment,
         describe_frozen,
@@ -35,13 +37,16 @@ def check(
     )
     from rig.cli.loops import describe_loop
 
-    profile, plan = load(str(source), as_options(set), None if configs is None else Path(configs))
+    folder = None if configs is None else Path(configs)
+    profile, plan = load(str(source), as_options(set), folder)
+    check_channels(profile)
     described = dict(describe_profile(profile))
+    warnings = warnings_of(profile, folder)
     if plan is None:
-        return described
+        return {**described, "warnings": warnings}
     experiment = {
         **describe_experiment(plan),
         "loop": describe_loop(plan),
         "frozen": describe_frozen(plan),
     }
-    return {"experiment": experiment, "profile": described}
+    return {"experiment": experiment, "profile": described, "warnings": warnings}

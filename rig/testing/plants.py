@@ -47,6 +47,11 @@ class PlantSuite(OfExperiment):
         assert plant.channel_names
         assert len(set(plant.channel_names)) == len(plant.channel_names)
 
+    def test_its_row_says_the_same_channels(self, plant: Plant, rehearsal: Rehearsal) -> None:
+        entry = rehearsal.plan.profile.plant
+        assert entry is not None
+        assert REGISTRY.plant_channels(entry.model) in ((), plant.channel_names)
+
     def test_a_fault_that_it_does_not_know_is_refused(self, plant: Plant) -> None:
         with pytest.raises(ValueError, match="no fault 'nonsense'"):
             plant.inject("nonsense")

@@ -257,6 +257,24 @@ def test_a_run_that_ended_by_an_error_is_none_that_was_refused(tmp_path, capsys,
     assert out.startswith("run: ")
 
 
+def test_a_column_of_a_log_is_explained_by_the_newest_run_or_by_a_rig(tmp_path, capsys):
+    runs = tmp_path / "runs"
+    code, _, err = said(capsys, "truth.supply", "--runs", str(runs))
+    assert code == 2 and "--rig PROFILE" in err
+    code, out, _ = said(capsys, "reading.position_agonist", "--rig", "cylinder")
+    assert code == 0
+    assert out.startswith("reading.position_agonist (log column of cylinder): ")
+    assert out.rstrip().endswith(", m")
+
+    run = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    assert invoke(run) == 0
+    [folder] = runs.iterdir()
+    capsys.readouterr()
+    code, out, _ = said(capsys, "truth.supply", "--runs", str(runs))
+    assert code == 0
+    assert f"log column of {folder.name}" in " ".join(out.split())
+
+
 def test_a_spoilt_note_of_a_refusal_is_none(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     runs = tmp_path / "runs"

@@ -88,6 +88,34 @@ def test_a_package_keeps_its_tests_apart_from_what_it_lies_in(here):
     assert "test_oil_thermometer.py" in listed.stdout
 
 
+def test_a_channel_that_no_plant_has_and_a_unit_of_nobody_are_told_before_a_run(here):
+    assert invoke(["new", "driver", "supply-gauge"]) == 0
+    folder = here / "supply-gauge"
+    rig = "configs/rigs/supply-gauge-rig.yaml"
+    lines = (folder / rig).read_text().splitlines()
+    place = next(n for n, line in enumerate(lines, 1) if line.startswith("    measures: agonist"))
+    paths = beside_the_source(here / "installed", project_of(folder), folder / "src")
+    lab = Lab(folder, paths)
+
+    (folder / rig).write_text("\n".join(lines).replace("unit: N ", "unit: furlong "))
+    checked = lab.rig("check", "supply-gauge-rig")
+    assert checked.returncode == 0
+    [warning] = [line for line in checked.stderr.splitlines() if line.startswith("warning")]
+    assert "devices.supply-gauge.unit: device.supply_gauge_value is in furlong" in warning
+    assert f"    devices.supply-gauge.unit: {rig}:" in checked.stderr
+
+    (folder / rig).write_text("\n".join(lines).replace("measures: agonist", "measures: supply"))
+    for command in (["check", "supply-gauge-rig"], ["run", "supply-gauge-sine", "--on", "sim"]):
+        refused = lab.rig(*command)
+        assert refused.returncode == 2
+        assert "antagonistic-pair has no channel supply; it has agonist" in refused.stderr
+        assert f"devices.supply-gauge.measures: {rig}:{place}:5" in refused.stderr
+
+    explained = lab.rig("explain", "supply_gauge_value", "--rig", "supply-gauge-rig")
+    assert explained.returncode == 0
+    assert "what the sensor measures, N" in explained.stdout
+
+
 @pytest.mark.slow
 def test_a_sensor_is_logged_in_the_unit_that_its_profile_says(here):
     assert invoke(["new", "driver", "oil-thermometer"]) == 0

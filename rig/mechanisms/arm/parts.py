@@ -35,6 +35,7 @@ PARTS = MechanismParts(
             "drivers.sim.plants.arm_settings:ArmPlantSettings",
             "drivers.sim.plants.arm:ArmPlant",
             "drivers.sim.hazards:arm_hazards",
+            channels=("q1", "q2", "q3", "q4", "q5", "q6"),
         )
     },
     facts=(f"{_HERE}.fact_kinds:PATH_FACTS", f"{_HERE}.fact_kinds:TWIST_FACTS"),

@@ -33,6 +33,7 @@ PARTS = MechanismParts(
             "drivers.sim.hazards:pair_hazards",
             is_restorable=True,
             lends_kernel=True,
+            channels=("agonist", "antagonist"),
         )
         for name, settings, plant in (
             ("antagonistic-pair-ideal", "settings:PlantSettings", _PAIR),

@@ -33,6 +33,7 @@ PARTS = MechanismParts(
             "drivers.sim.hazards:joint_hazards",
             is_restorable=True,
             lends_kernel=True,
+            channels=("ch1", "ch2", "ch3", "ch4"),
         )
         for name, settings, plant in (
             ("spherical-joint-ideal", "SphericalJointPlantSettings", "SphericalJointPlant"),

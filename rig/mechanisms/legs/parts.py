@@ -5,6 +5,17 @@ from rig.hal.parts import MechanismParts, PlantModel
 _LAWS = "controllers.gait"
 _HERE = "rig.mechanisms.legs"
 
+_CHANNELS = (
+    "right_hip_yaw", "right_hip_roll", "right_hip_pitch",
+    "right_knee", "right_ankle_pitch", "right_ankle_roll",
+    "left_hip_yaw", "left_hip_roll", "left_hip_pitch",
+    "left_knee", "left_ankle_pitch", "left_ankle_roll",
+    "right_front_left", "right_front_right", "right_back_left", "right_back_right",
+    "left_front_left", "left_front_right", "left_back_left", "left_back_right",
+    "waist_roll", "waist_pitch", "waist_roll_rate", "waist_pitch_rate",
+)  # fmt: skip
+"""Joints, load cells of the soles and the tilt sensor."""
+
 PARTS = MechanismParts(
     mechanism="legs",
     settings=f"{_HERE}.settings:LegsSettings",
@@ -32,6 +43,7 @@ PARTS = MechanismParts(
             "drivers.sim.plants.legs_settings:LegsPlantSettings",
             "drivers.sim.plants.legs:LegsPlant",
             "drivers.sim.hazards:legs_hazards",
+            channels=_CHANNELS,
         )
     },
     facts=(f"{_HERE}.fact_kinds:LEGS_FACTS",),

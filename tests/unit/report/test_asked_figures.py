@@ -10,7 +10,7 @@ from rig.cli import invoke
 from rig.experiment.plan import load_plan
 from rig.hal import ConfigurationError
 from rig.report.beside_figure import draw_beside
-from rig.report.column_figure import file_of, is_column
+from rig.report.column_figure import draw_columns, file_of, is_column
 from rig.report.data import load_run
 from rig.report.figures import draw_figures
 from rig.run_facts import EVALUATION
@@ -35,6 +35,11 @@ def test_a_column_is_drawn_by_its_name_in_its_unit(make_run):
     assert header[1].endswith("(kPa)")
     values = load_run(run).log.column("reading.pressure_agonist") * 1e-3
     assert (rows[:, 1].min(), rows[:, 1].max()) == pytest.approx((values.min(), values.max()))
+
+
+def test_the_axis_of_a_column_says_the_quantity_and_its_unit(make_run):
+    figure = draw_columns(load_run(make_run(duration=2.0)), "reading.pressure_agonist")
+    assert [axes.get_ylabel() for axes in figure.axes] == ["pressure agonist\n(kPa)"]
 
 
 def test_a_pattern_draws_each_column_in_a_panel(make_run):

@@ -29,8 +29,9 @@ class MySensorSettings(CanopenDeviceSettings):
         Of what the sensor measures, as log, figures and exported files say it.
     measures : str
         The plant's channel that a simulated one shows, as its `channel_value` has it: of the
-        cylinders the tension of the wire, N; 0 of a plant that has none. For what no plant
-        knows, name a simulation of your own in parts.py (`DriverParts.simulation`).
+        cylinders the tension of the wire, N; 0 of a plant without `channel_value`. A channel that
+        the plant has not is refused: for what no plant knows, name a simulation of your own in
+        parts.py (`DriverParts.simulation`).
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]

@@ -1,0 +1,69 @@
+"""What is valid, and yet is not what somebody wants who is going to run it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+
+
+def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
+    """Return what `rig check` warns of.
+
+    Parameters
+    ----------
+    profile : Profile
+        Checked.
+    configs : Path, optional
+        The folder of configurations that was asked for.
+    """
+    from rig.cli.inherited import inherited_sentences
+    from rig.config.names import find_configs
+
+    inherited = inherited_sentences(profile, find_configs(configs))
+    return [*_of_broken_parts(profile), *inherited, *_strange_units(profile)]
+
+
+def _of_broken_parts(profile: Profile) -> Iterator[str]:
+    from rig.assembly import REGISTRY
+    from rig.hal.formats import format_quantity
+
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    for of in view.expected_of(profile.mechanism_settings):
+        if of.warning:
+            yield f"{of.name} {format_quantity(of.value, of.unit)}: {of.warning}"
+
+
+def _strange_units(profile: Profile) -> Iterator[str]:
+    """Say which logged quantities of devices are in units that nobody can convert."""
+    from rig.assembly import check_profile
+    from rig.assembly.channels import where_said
+    from rig.config.dump import plain_of
+    from rig.config.located import places_named
+    from rig.config.quantities import UnitError, parse_unit
+
+    devices = plain_of(profile)["devices"]
+    for column in check_profile(profile):
+        try:
+            parse_unit(column.unit)
+        except UnitError:
+            owners = _owners(column.name, list(profile.devices))
+            said = [
+                ".".join(("devices", name, *where_said(column.unit, devices[name])))
+                for name in owners
+                if isinstance(devices, dict)
+            ]
+            yield places_named(
+                f"{' or '.join(said) or profile.mechanism}: {column.name} is in {column.unit}, "
+                "which is no unit that this program knows: figures, reports and exported files "
+                "show the word as it is, and no bound in another unit can be held against it",
+                profile.places,
+            )
+
+
+def _owners(column: str, devices: Sequence[str]) -> list[str]:
+    """Return the device that a column belongs to by its name; none: it is the mechanism's."""
+    return [name for name in devices if column.startswith(f"device.{name.replace('-', '_')}_")][-1:]
