@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rig.scripting.comparing import compare
     from rig.scripting.errors import (
         BoundMissed,
+        CodeFailed,
         MeasureFailed,
         NotEnergised,
         RunError,
@@ -46,7 +47,8 @@ if TYPE_CHECKING:
     from rig.sweeping.result import SweepInterrupted
 
 _ENDS = (
-    "RunError", "BoundMissed", "MeasureFailed", "NotEnergised", "RunFaulted", "RunInterrupted",
+    "RunError", "BoundMissed", "CodeFailed", "MeasureFailed", "NotEnergised", "RunFaulted",
+    "RunInterrupted",
 )  # fmt: skip
 _OFFERED = {
     **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
@@ -65,6 +67,7 @@ _OFFERED = {
 
 __all__ = [
     "BoundMissed",
+    "CodeFailed",
     "ConfigurationError",
     "DeviceError",
     "LogTail",

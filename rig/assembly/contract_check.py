@@ -19,6 +19,9 @@ from rig.plug_ins import GROUPS
 
 Thing = TypeVar("Thing")
 
+_GIVEN: set[str] = set()
+"""Modules of objects that this process was given in Python, of no package that is installed."""
+
 
 def check_offers(what: str, thing: object, protocol: type) -> None:
     """Refuse a class, or an instance of one, that has not all that a protocol asks for.
@@ -174,28 +177,55 @@ def make(what: str, kind: Callable[..., Thing], *arguments: object, **named: obj
         raise ContractBroken(f"{what}: {where(kind)} cannot be made: {error}") from error
 
 
+def note_given(thing: object) -> None:
+    """Take note of an object that was given in Python: what its code raises is no bug of ours.
+
+    Parameters
+    ----------
+    thing : object
+        An instance, a class or a function.
+    """
+    named = thing if hasattr(thing, "__qualname__") else type(thing)
+    for part in named.__mro__ if isinstance(named, type) else (named,):
+        module = str(getattr(part, "__module__", ""))
+        if module != "builtins" and not is_ours(part):
+            _GIVEN.add(module)
+
+
 def whose_bug(error: BaseException) -> str | None:
-    """Say which other package's code raised an error, and where; None if it was none of theirs.
+    """Say which other code raised an error, and where; None if it was none of theirs.
 
     It was theirs if, of all that took part, the last of our code and of theirs is theirs: what a
     library refuses is the fault of who called it. Theirs is also what their class has inherited of
-    ours: it works with what the class has made of the rest.
+    ours: it works with what the class has made of the rest. Of what was given in Python the
+    function that we called is named; a Ctrl-C that came while it ran is nobody's bug.
     """
     names = {
         point.value.partition(":")[0].partition(".")[0]
         for group in GROUPS
         for point in entry_points(group=group)
     }
+    given = set() if isinstance(error, KeyboardInterrupt) else _GIVEN
+    called: FrameType | None = None
+    last: tuple[FrameType, int] | None = None
     for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
         module = str(frame.f_globals.get("__name__", ""))
         package = module.partition(".")[0]
         if package in names:
             return f"{module}, line {line}"
-        if package in OWN and not frame.f_code.co_name.startswith("<"):  # else it is part of one
+        if module in given:
+            called, last = frame, last or (frame, line)
+        elif package in OWN and not frame.f_code.co_name.startswith("<"):  # else it is part of one
+            if called is not None:
+                break
             of = _class_of(frame)
-            is_theirs = of is not None and of.__module__.partition(".")[0] in names
+            is_theirs = of is not None and (
+                of.__module__.partition(".")[0] in names or of.__module__ in given
+            )
             return f"{where(of)}.{frame.f_code.co_name}" if is_theirs else None
-    return None
+    if called is None or last is None:
+        return None
+    return f"{called.f_code.co_qualname} ({last[0].f_code.co_filename}, line {last[1]})"
 
 
 def _class_of(frame: FrameType) -> type | None:

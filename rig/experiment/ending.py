@@ -54,8 +54,16 @@ def ending_of(error: BaseException) -> Ending:
     return bug_of(error)
 
 
-def bug_of(error: BaseException) -> Ending:
-    """Return the ending of a run that a bug has ended, of ours or of another package."""
+def bug_of(error: BaseException, t: float | None = None) -> Ending:
+    """Return the ending of a run that a bug has ended, of ours or of another package.
+
+    Parameters
+    ----------
+    error : BaseException
+        The bug.
+    t : float, optional
+        When it came, s after the run began.
+    """
     what = f"{type(error).__name__}: {error}"
     place = whose_bug(error)
     if place is None:
@@ -64,7 +72,8 @@ def bug_of(error: BaseException) -> Ending:
         error = ContractBroken(f"{place} wants to end the program: {what}").with_traceback(
             error.__traceback__
         )
-    return Ending(RunStatus.CRASHED, EXIT_USAGE, f"{place}: {what}", error)
+    when = "" if t is None else f" at {t:.3f} s"
+    return Ending(RunStatus.CRASHED, EXIT_USAGE, f"{place}{when}: {what}", error)
 
 
 def broken_contract(sentence: str) -> Ending:
@@ -81,7 +90,7 @@ def fault_of(fault: Exception, t: float | None) -> Ending:
         return broken_contract(str(fault))
     if isinstance(fault, RigError | OSError):
         return Ending(RunStatus.FAULTED, EXIT_FAULT, str(fault))
-    return bug_of(fault)
+    return bug_of(fault, t)
 
 
 class ClosedBooks:

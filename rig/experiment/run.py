@@ -63,6 +63,8 @@ class Result(NamedTuple):
         Empty if it did not get far enough.
     unmeasured : tuple of RigError
         What the measures that came with the plan failed by; the run is none the worse for it.
+    bug : BaseException, optional
+        What ended it, if that was a bug, ours or of other code.
     """
 
     path: Path
@@ -71,6 +73,7 @@ class Result(NamedTuple):
     message: str | None
     metrics: tuple[Metric, ...]
     unmeasured: tuple[RigError, ...] = ()
+    bug: BaseException | None = None
 
 
 def run_experiment(
@@ -89,6 +92,7 @@ def run_experiment(
     is_permitted: bool = False,
     command: Sequence[str] = (),
     uncommissioned: str | None = None,
+    raises: bool = True,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -123,6 +127,8 @@ def run_experiment(
         The command line that runs it again; default: ``rig run`` with the experiment's name.
     uncommissioned : str, optional
         Why a rig that is not commissioned has all of its speed and effort on hardware.
+    raises : bool
+        Raise the bug that ended it, for its traceback; False: it is in the result.
 
     Returns
     -------
@@ -185,9 +191,9 @@ def run_experiment(
             if ending.status is RunStatus.OK and not all_passed(metrics):
                 ending = Ending(RunStatus.FAILED, EXIT_MISSED)
             _close(folder, ending, counts, watcher)
-    if ending.bug is not None:
+    if ending.bug is not None and raises:
         raise ending.bug  # the rig is safe by now, and the traceback is wanted
-    if report:
+    if report and ending.bug is None:
         if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
             watcher.said(
                 f"ended by hand, so no figures are drawn; draw them with: rig report {folder.path}"
@@ -195,8 +201,9 @@ def run_experiment(
         else:
             _report(folder.path, watcher)
     return Result(
-        folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured)
-    )
+        folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured),
+        ending.bug,
+    )  # fmt: skip
 
 
 def _close(folder: RunFolder, ending: Ending, counts: dict[str, Any], watcher: Watcher) -> None:
@@ -296,7 +303,7 @@ def _run(
         return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
-            return bug_of(error)
+            return _by_bug(error, None if loop is None else loop.t, events)
         when = "between two steps" if energised else "before the rig was energised"
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"interrupted {str(error) or when}")
     except RigError as error:
@@ -306,8 +313,17 @@ def _run(
     except Exception as error:
         blamed = whose_value(rig, plan, None if loop is None else loop.phases, error)
         if blamed is None:
-            raise
+            if whose_bug(error) is None:
+                raise
+            return _by_bug(error, None if loop is None else loop.t, events)
         return broken_contract(blamed)
+
+
+def _by_bug(error: BaseException, t: float | None, events: "_Events") -> Ending:
+    """Return the ending of a run that a bug has ended beside its loop's own stop; it is noted."""
+    ending = bug_of(error, t)
+    events(t, "fault", str(ending.message), {"type": type(error).__name__})
+    return ending
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:

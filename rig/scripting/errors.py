@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from rig.hal import RigError
+from rig.hal import ConfigurationError, RigError
 
 if TYPE_CHECKING:
     from rig.scripting.recorded import Run
@@ -39,12 +39,16 @@ class MeasureFailed(RunError):
     """A measure given in Python raised, or returned no number; the run itself ended as it says."""
 
 
+class CodeFailed(RunError, ConfigurationError):
+    """Code that was given, or is of a package, raised or returned what it must not (exit 2)."""
+
+
 class RunInterrupted(RunError, KeyboardInterrupt):
     """Somebody stopped it, and the rig was made safe (exit 130)."""
 
 
 _BY_CODE: dict[int, type[RunError]] = {
-    1: BoundMissed, 3: NotEnergised, 4: RunFaulted, 130: RunInterrupted,
+    1: BoundMissed, 2: CodeFailed, 3: NotEnergised, 4: RunFaulted, 130: RunInterrupted,
 }  # fmt: skip
 
 

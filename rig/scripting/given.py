@@ -1,13 +1,14 @@
 """Python objects in the place of what an experiment names: for trying things."""
 
+import contextlib
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, is_dataclass, replace
 from typing import TypeAlias, cast
 
 from rig.assembly import REGISTRY, plan_motion
-from rig.assembly.contract_check import check_offers
+from rig.assembly.contract_check import check_offers, note_given, whose_bug
 from rig.config import Experiment, Profile, ReferenceEntry
 from rig.config.from_python import as_from_a_file
 from rig.config.models import MetricSpec
@@ -15,7 +16,7 @@ from rig.config.quantities import USUAL_UNITS, UnitError, parse_unit
 from rig.experiment.measure import Measure, Windows
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import play_through
-from rig.hal import ConfigurationError, ContractBroken
+from rig.hal import ConfigurationError, ContractBroken, RigError
 from rig.hal.controller import Law
 from rig.hal.fits import shown
 from rig.hal.motion import Motion
@@ -79,6 +80,9 @@ class Given:
         sources: dict[str, str] = {}
         experiment, profile = plan.experiment, plan.profile
         controller, motion = plan.controller, plan.motion
+        for thing in (self.reference, self.plan, self.controller):
+            if thing is not None:
+                note_given(thing)
         if self.reference is not None and self.plan is not None:
             raise ConfigurationError("give a reference or a plan, not both")
         if self.controller is not None:
@@ -111,6 +115,26 @@ class Given:
             wanted[name] = MetricSpec(measure=source)
         experiment = replace(experiment, metrics=wanted)
         return Plan(experiment, profile, controller, motion, measures, sources)
+
+
+@contextlib.contextmanager
+def naming_theirs() -> Iterator[None]:
+    """Turn what code of others raises before there is a run into a sentence that names it.
+
+    Raises
+    ------
+    ContractBroken
+        In the place of their exception, from it.
+    """
+    try:
+        yield
+    except RigError:
+        raise
+    except Exception as error:
+        place = whose_bug(error)
+        if place is None:
+            raise
+        raise ContractBroken(f"{place}: {type(error).__name__}: {error}") from error
 
 
 def _played(

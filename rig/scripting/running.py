@@ -10,6 +10,7 @@ import numpy as np
 
 from rig.assembly import Backend, backend_of
 from rig.config.setting import Setting
+from rig.experiment.ending import EXIT_BUG
 from rig.experiment.pacing import PacedWatcher
 from rig.experiment.plan import Plan, load_plan
 from rig.experiment.run import run_experiment
@@ -20,8 +21,8 @@ from rig.run_facts import MANIFEST
 from rig.run_names import RUNS, find_run
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
-from rig.scripting.errors import MeasureFailed, error_of
-from rig.scripting.given import MOST, Given
+from rig.scripting.errors import CodeFailed, MeasureFailed, error_of
+from rig.scripting.given import MOST, Given, naming_theirs
 from rig.scripting.played import PlanFunction, refuse_within_plan
 from rig.scripting.recorded import Run
 
@@ -99,7 +100,7 @@ def run(
     ------
     ConfigurationError
         A file, a setting, an object or the motion cannot be; nothing was opened.
-    NotEnergised, RunFaulted, RunInterrupted, BoundMissed, MeasureFailed
+    CodeFailed, NotEnergised, RunFaulted, RunInterrupted, BoundMissed, MeasureFailed
         How the run ended; each has it as `run`. All are `RunError`.
     DeviceError
         Hardware was refused before there was a run.
@@ -118,7 +119,8 @@ def run(
     backend = backend_of(on)
     loaded = load_plan(experiment, options, rig=rig, configs=_path(configs))
     given = Given(reference, plan, controller, measures)
-    checked = given.applied(loaded, rehearse=backend is not Backend.SIM, most=most)
+    with naming_theirs():
+        checked = given.applied(loaded, rehearse=backend is not Backend.SIM, most=most)
     _ask(checked, on, yes)
     if rig is not None:
         options.append(f"rig={rig}")
@@ -128,13 +130,17 @@ def run(
     pace = pace or (1.0 if checked.motion.real_time else None)
     if not backend.is_simulated:
         pace = None
-    with _shown(checked, on, progress, pace) as watcher:
+    with naming_theirs(), _shown(checked, on, progress, pace) as watcher:
         result = run_experiment(
             checked, backend, Path(out),
             on=None if on in list(Backend) else on, overrides=options, watcher=watcher,
-            report=report, frames=frames, stop=stop,
+            report=report, frames=frames, stop=stop, raises=False,
         )  # fmt: skip
     recorded = Run(result.path)
+    if result.bug is not None:
+        if result.exit_code == EXIT_BUG:
+            raise result.bug
+        raise CodeFailed(recorded) from result.bug
     if result.unmeasured:
         what = "; ".join(str(error) for error in result.unmeasured)
         raise MeasureFailed(recorded, what) from result.unmeasured[0]
