@@ -1,6 +1,7 @@
 """What can be said of a phase before it has a timing: reach, ranges, and what a foot meets."""
 
 import math
+from typing import NamedTuple
 
 from controllers.gait.balance import sole_corners
 from controllers.gait.geometry import AXIS_NAMES, LEGS, LegGeometry
@@ -12,6 +13,9 @@ from controllers.motion import InfeasibleMotion
 _POINTS = 100
 """Of a phase's path that are looked at."""
 _ROUNDING = 1e-9
+_EVEN = 2e-5
+"""m; ground that differs by less is one. It is twice what the prints of a foot are apart that are
+said in hundredths of a millimetre and of a degree."""
 
 Corners = list[tuple[float, float]]
 
@@ -22,6 +26,10 @@ class BeyondLeg(InfeasibleMotion):
 
 class MeetsGround(InfeasibleMotion):
     """A swinging sole is too low to clear the ground of its own footprints."""
+
+
+class TwoHeights(InfeasibleMotion):
+    """Two prints of a foot overlap and do not lie on one ground."""
 
 
 def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
@@ -36,11 +44,16 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
 
     Raises
     ------
-    BeyondLeg, InfeasibleMotion
+    BeyondLeg, MeetsGround, TwoHeights, InfeasibleMotion
         With the phase, the share of its path, the number and its bound.
     """
     limits = geometry.limits
     legs = phase.legs(geometry)
+    swings = not all(phase.standing)
+    if swings:
+        _check_prints(geometry, phase)
+        _check_overlap(geometry, phase)
+    lowest = _Low()
     for k in range(_POINTS + 1):
         xi = k / _POINTS
         where = f"{phase.name}, {100.0 * xi:.0f} % of the way"
@@ -56,22 +69,72 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
                         f"{where}: {AXIS_NAMES[joint]} would be at {math.degrees(angle):.2f} deg, "
                         f"outside {math.degrees(low):g} … {math.degrees(high):g} deg."
                     )
-        if not all(phase.standing):
-            _check_feet(geometry, phase, xi, where)
+        if swings:
+            lowest = max(lowest, _lowest(geometry, phase, xi, where))
+    if lowest.below > _EVEN:
+        raise MeetsGround(f"{lowest.words}.")
 
 
-def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) -> None:
+class _Low(NamedTuple):
+    """A sole that is too low.
+
+    Parameters
+    ----------
+    below : float
+        Its depth, m.
+    words : str
+        The same in words.
+    """
+
+    below: float = 0.0
+    words: str = ""
+
+
+def _check_prints(geometry: LegGeometry, phase: GaitPhase) -> None:
+    """Raise if the prints before and after a swing overlap and are not on one ground."""
+    leg = 0 if phase.standing[1] else 1
+    places = [(phase.foot_at(leg, xi), phase.attitude_at(leg, xi)) for xi in (0.0, 1.0)]
+    soles = [sole_corners(geometry, at, lies) for at, lies in places]
+    gap = _gap(*soles)
+    if gap >= 0.0:
+        return
+    apart = max(
+        abs(one - other)
+        for sole in soles
+        for one, other in zip(*(_heights(at, lies, sole) for at, lies in places), strict=True)
+    )
+    if apart > _EVEN:
+        raise TwoHeights(
+            f"{phase.name}: the {LEGS[leg]} print overlaps the one before it by "
+            f"{-gap * 1e3:.1f} mm, and the ground there would have two heights, "
+            f"{apart * 1e3:.3g} mm apart."
+        )
+
+
+def _check_overlap(geometry: LegGeometry, phase: GaitPhase) -> None:
+    """Raise if the sole that swings comes over the one that stands, with where it does most."""
     swings = 0 if phase.standing[1] else 1
     stands = 1 - swings
-    at, attitude = phase.foot_at(swings, xi), phase.attitude_at(swings, xi)
-    sole = sole_corners(geometry, at, attitude)
-    other = sole_corners(geometry, phase.feet[stands], phase.attitude_at(stands, xi))
-    gap = _gap(sole, other)
+    other = sole_corners(geometry, phase.feet[stands], phase.attitude_at(stands, 0.0))
+    gaps = []
+    for k in range(_POINTS + 1):
+        xi = k / _POINTS
+        sole = sole_corners(geometry, phase.foot_at(swings, xi), phase.attitude_at(swings, xi))
+        gaps.append((_gap(sole, other), xi))
+    gap, xi = min(gaps)
     if gap < 0.0:
         raise InfeasibleMotion(
-            f"{where}: seen from above the {LEGS[swings]} sole would overlap the {LEGS[stands]} "
-            f"one by {-gap * 1e3:.1f} mm."
+            f"{phase.name}, {100.0 * xi:.0f} % of the way: seen from above the {LEGS[swings]} sole "
+            f"would overlap the {LEGS[stands]} one by {-gap * 1e3:.3g} mm."
         )
+
+
+def _lowest(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) -> _Low:
+    """Return how far the sole that swings is in the ground of its own prints."""
+    swings = 0 if phase.standing[1] else 1
+    lowest = _Low()
+    at, attitude = phase.foot_at(swings, xi), phase.attitude_at(swings, xi)
+    sole = sole_corners(geometry, at, attitude)
     heights = _heights(at, attitude, sole)
     for share in (0.0, 1.0):
         place, lies = phase.foot_at(swings, share), phase.attitude_at(swings, share)
@@ -80,18 +143,12 @@ def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) 
             continue
         levels = _heights(place, lies, sole)
         below = max(level - height for height, level in zip(heights, levels, strict=True))
-        if below <= _ROUNDING:
-            continue
-        if xi in (0.0, 1.0):
-            raise InfeasibleMotion(
-                f"{where}: the {LEGS[swings]} print overlaps the one before it by "
-                f"{-apart * 1e3:.1f} mm, and the ground there would have two heights, "
-                f"{below * 1e3:.3g} mm apart."
-            )
-        raise MeetsGround(
+        words = (
             f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.3g} mm below where it "
-            f"{'is to stand' if share else 'stood'}."
+            f"{'is to stand' if share else 'stood'}"
         )
+        lowest = max(lowest, _Low(below, words))
+    return lowest
 
 
 def _heights(at: tuple[float, ...], attitude: Attitude, points: Corners) -> list[float]:

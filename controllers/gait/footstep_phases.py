@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from controllers.bisection import bisect
 from controllers.gait.footprints import Footstep, SteppingSettings
-from controllers.gait.footstep_checks import BeyondLeg, MeetsGround, check_phase
+from controllers.gait.footstep_advice import SwingSoles, advise
+from controllers.gait.footstep_checks import BeyondLeg, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.kinematics import Vector
@@ -15,9 +15,6 @@ from controllers.gait.phases import DurationSetting, GaitPhase
 from controllers.gait.turning import Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
-_ROUNDS = 12
-_LEAST = 0.1
-"""Share of a step that is tried at least, and between the shares that are tried first."""
 _STAYS = 1e-3
 """m and rad; a foot that goes no farther comes down where it stood."""
 
@@ -103,13 +100,12 @@ def plan_footsteps(
                 own = min(need.hips for need in needs if need.step in (number, number + 1))
                 higher, _ = _phases(geometry, settings, steps, walk, own)
                 if own > hip and _passes(geometry, higher[place]):
-                    hint = _what_fits(geometry, settings, steps, lowest.step, None, low=False)
+                    hint = _what_fits(geometry, settings, steps, lowest.step, None, error)
                     raise InfeasibleMotion(
                         f"step {lowest.step} needs the hips at {hip * 1e3:.1f} mm over the "
                         f"standing ankle, which is too low for step {number}: {error}{hint}"
                     ) from error
-            low = isinstance(error, MeetsGround)
-            hint = _what_fits(geometry, settings, steps, number, hip, low=low)
+            hint = _what_fits(geometry, settings, steps, number, hip, error)
             raise InfeasibleMotion(f"step {number}, {error}{hint}") from error
     return phases
 
@@ -168,38 +164,84 @@ class _Need(NamedTuple):
     hips: float
 
 
+class _Station(NamedTuple):
+    """A place of the waist at an end of one of its straight ways.
+
+    Parameters
+    ----------
+    words : str
+        Where it is.
+    at : tuple of float
+        x and y, and the height of what the hips' height counts from, m.
+    yaw : float
+        Heading, rad.
+    soles : tuple
+        Of each leg that matters there: its number, the sole, and the step that put it there.
+    """
+
+    words: str
+    at: Vector
+    yaw: float
+    soles: tuple[tuple[int, Sole, int], ...]
+
+
+def _stations(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> list[_Station]:
+    """Return the ends of all ways of the waist.
+
+    Where the foot that stays behind is farthest, it is the step before that went too far ahead.
+    """
+    between = "with the waist midway between the feet"
+    heading = 0.5 * sum(sole.attitude[2] for sole in walk.end)
+    ends = [
+        _Station(
+            f"{words}, {between}", _midway(geometry, settings, feet, yaw, 0.0), yaw,
+            ((0, feet[0], step), (1, feet[1], step)),
+        )
+        for words, feet, yaw, step in (
+            ("step 1, before it begins", walk.start, 0.0, 1),
+            (f"step {len(walk.stances)}, in the end", walk.end, heading, len(walk.stances)),
+        )
+    ]  # fmt: skip
+    stances = [
+        _Station(
+            f"step {number} ({LEGS[its.leg]}), with the waist over the standing foot", its.over,
+            its.yaw,
+            (
+                (1 - its.leg, its.support, number),
+                (its.leg, its.before, max(number - 1, 1)),
+                (its.leg, its.after, number),
+            ),
+        )
+        for number, its in enumerate(walk.stances, 1)
+    ]  # fmt: skip
+    return [ends[0], *stances, ends[1]]
+
+
 def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> list[_Need]:
     """Return how high each foot lets the hips be; the lowest sets the height of the whole walk.
 
     Along a straight way of the waist a hip is farthest from its ankle at an end, so these count.
-    Where the foot that stays behind is farthest, it is the step before that went too far ahead.
     """
     reach = geometry.distance(settings.knee_min)
     needs: list[_Need] = []
     too_high = ""
-    for number, stance in enumerate(walk.stances, 1):
-        s, c = math.sin(stance.yaw), math.cos(stance.yaw)
-        x, y, height = stance.over
-        for leg, sole, step in (
-            (1 - stance.leg, stance.support, number),
-            (stance.leg, stance.before, max(number - 1, 1)),
-            (stance.leg, stance.after, number),
-        ):
+    for words, (x, y, height), yaw, soles in _stations(geometry, settings, walk):
+        s, c = math.sin(yaw), math.cos(yaw)
+        for leg, sole, step in soles:
             side = geometry.side(leg)
             ankle = sole.ankle(geometry)
             out = math.hypot(x - s * side - ankle[0], y + c * side - ankle[1])
             most = ankle[2] - height + math.sqrt(max(reach**2 - out**2, 0.0))
             if out >= reach or most <= 0.0:
                 raise InfeasibleMotion(
-                    f"step {number} ({LEGS[stance.leg]}): with the waist over the standing foot "
-                    f"the {LEGS[leg]} ankle would be {out * 1e3:.1f} mm away from under its hip; "
-                    f"a leg with its knee at {math.degrees(settings.knee_min):g} deg reaches "
-                    f"{reach * 1e3:.1f} mm."
+                    f"{words}: the {LEGS[leg]} ankle would be {out * 1e3:.1f} mm away from under "
+                    f"its hip; a leg with its knee at {math.degrees(settings.knee_min):g} deg "
+                    f"reaches {reach * 1e3:.1f} mm."
                 )
             if settings.hip is not None and settings.hip > most and not too_high:
                 too_high = (
-                    f"step {number} ({LEGS[stance.leg]}): hips at {settings.hip * 1e3:.1f} mm over "
-                    f"the standing ankle leave the {LEGS[leg]} foot out of reach"
+                    f"{words}: hips at {settings.hip * 1e3:.1f} mm over the standing ankle leave "
+                    f"the {LEGS[leg]} foot out of reach"
                 )
             needs.append(_Need(step, most))
     if too_high:
@@ -297,41 +339,31 @@ def _what_fits(
     steps: Sequence[Footstep],
     number: int,
     hip: float | None,
-    *,
-    low: bool,
+    error: InfeasibleMotion,
 ) -> str:
-    """Say how much of a step, from beside the standing foot to where it was to go, would fit.
+    """Say what would fit instead of a step that is refused with an error.
 
-    With hips of a given height all before it is known to. Without, they are as high as the steps
-    up to it let them be, until the other foot has left the ground, and all of these have to fit.
+    With hips of a given height all before it is known to, and they are no higher than that.
+    Without, they are as high as the steps up to it let them be, until the other foot has left the
+    ground, and all of these have to fit.
     """
     before = list(steps[:number])
     asked = before.pop()
     stance = _walk(geometry, settings, [*before, asked]).stances[-1]
-    (x, y, z), (roll, pitch, yaw) = stance.support.at, stance.support.attitude
-    aside = 2.0 * geometry.side(stance.leg)
-    up = GroundPlane(pitch, roll).height(0.0, aside)
-    beside = (x - math.sin(yaw) * aside, y + math.cos(yaw) * aside, z + up, yaw, pitch, roll)
-    there = (*stance.after.at, stance.after.attitude[2], asked.pitch, asked.roll)
-
-    def part(share: float) -> Footstep:
-        x, y, height, heading, pitch, roll = (
-            a + share * (b - a) for a, b in zip(beside, there, strict=True)
-        )
-        return replace(asked, x=x, y=y, height=height, heading=heading, pitch=pitch, roll=roll)
+    soles = (stance.support, stance.before, stance.after)
+    support, stood, after = ((sole.at, sole.attitude) for sole in soles)
+    place = SwingSoles(support, stood, after, 2.0 * geometry.side(stance.leg))
 
     def fits(step: Footstep) -> bool:
-        tried = [*before, step]
-        first = number - 1
+        tried = [*before, step, *steps[number : number + 1]]
+        first = 1 if hip is None else number - 1
         try:
-            if hip is None:
-                tried += steps[number : number + 1]
-                first = 1
             walk = _walk(geometry, settings, tried)
-            height = hip
+            height = settings.hip
             if height is None:
                 needs = _needs(geometry, settings, walk)
-                height = min(need.hips for need in needs if need.step <= number)
+                own = min(need.hips for need in needs if need.step <= number)
+                height = own if hip is None else min(own, hip)
             phases, numbers = _phases(geometry, settings, tried, walk, height)
             for phase, its in zip(phases, numbers, strict=True):
                 if first <= its <= number:
@@ -340,30 +372,5 @@ def _what_fits(
             return False
         return True
 
-    for times in (1.25, 1.5, 2.0, 3.0, 5.0) if low else ():
-        lift = 1e-3 * math.ceil(1e3 * times * (asked.lift or settings.lift))  # as it is said
-        if lift <= 0.3 and fits(replace(asked, lift=lift)):
-            if asked.lift is None:
-                return f" With a lift of {lift * 1e3:.0f} mm step {number} by itself would fit."
-            # The lift of all others has no say in it, and is not pointed at.
-            return (
-                f" Lifted by {lift * 1e3:.0f} mm instead of its own {asked.lift * 1e3:.4g} mm "
-                f"step {number} by itself would fit."
-            )
-    # Not all that is less fits: on the edge of a tread a short step is none.
-    shares = (1.0 - _LEAST * k for k in range(1, round(1.0 / _LEAST)))
-    share = next((share for share in shares if fits(part(share))), None)
-    if share is None:
-        return ""
-    most = part(bisect(lambda at: fits(part(at)), share, share + _LEAST, _ROUNDS)[0])
-    what = f"step {number}" if hip is None else "it"
-    tilts = ""
-    if (pitch, roll) != (asked.pitch, asked.roll):
-        tilts = (
-            f", pitch {math.degrees(most.pitch):.1f} deg, roll {math.degrees(most.roll):.1f} deg"
-        )
-    return (
-        f" From beside the standing foot {what} would fit as far as x {most.x * 1e3:.1f} mm, "
-        f"y {most.y * 1e3:.1f} mm, heading {math.degrees(most.heading):.1f} deg, "
-        f"height {most.height * 1e3:.1f} mm{tilts}."
-    )
+    name = f"step {number}" if hip is None else f"step {number} by itself"
+    return advise(fits, asked, settings.lift, place, name, error)

@@ -154,23 +154,23 @@ REFUSED = {
     "too long": (
         (RIGHT, Footstep("left", 0.25, 0.039)),
         {},
-        r"step 2 \(left\): .*223\.4 mm away .*reaches 200\.0 mm",
+        r"step 2 \(left\), with .*223\.4 mm away .*reaches 200\.0 mm",
     ),
     "hips too high": (
         (RIGHT,),
         {"hip": 0.199},
-        r"step 1 \(right\): hips at 199\.0 mm .* at 1\d\d\.\d mm all steps would be in reach",
+        r"step 1 \(right\), with .*: hips at 199\.0 mm .* at 1\d\d\.\d mm all steps would be in",
     ),
     "turned in too far": (
         (Footstep("right", 0.03, -0.07, heading=math.radians(35.0)),),
         {},
         HERE + r"\d+ % of the way: right_hip_yaw would be at 3\d\.\d+ deg, outside -90 … 30 deg\. "
-        r"From beside the standing foot it would fit as far as .*heading 30\.0 deg",
+        r"From beside the standing foot step 1 by itself would fit as far as .*heading 30\.00 deg",
     ),
     "onto the other foot": (
         (Footstep("right", 0.01, 0.0),),
         {},
-        HERE + r".* right sole would overlap the left one by \d+\.\d mm\. From .* y -23\.0 mm",
+        HERE + r".* right sole would overlap the left one by 23 mm\. From .* y -23\.00 mm",
     ),
     "into a tread": (
         (Footstep("right", 0.1, -0.039, height=0.015),),
@@ -188,6 +188,23 @@ REFUSED = {
         (Footstep("right", 0.0, -0.039),),
         {},
         r"step 1: the right foot would come down where it stands",
+    ),
+    "down a tread, too near": (
+        (Footstep("right", 0.095, -0.039, height=-0.016, lift=0.028),),
+        {"ahead": 0.008, "follow": 0.025, "shift_time": 3.0},
+        r"step 1, swing right 1, 93 % of the way: the right sole would be 8\.\d+ mm below where it "
+        r"stood\. .*Step 1 by itself would fit \d mm farther on, at x 10\d\.\d+ mm, y -39\.00 mm,",
+    ),
+    "an ankle that folds too far": (
+        (
+            Footstep("left", 0.1035122, 0.039, height=0.0110046),
+            Footstep("right", 0.1035122, -0.039, height=0.0110046),
+            Footstep("left", 0.2276294, 0.039, height=0.0220093),
+            Footstep("right", 0.2070244, -0.039, height=0.0220093),
+        ),
+        {"ahead": 0.008, "follow": 0.025, "lift": 0.0230046},
+        r"right_ankle_pitch would be at -60\.08 deg, outside -60 … 60 deg\. "
+        r"With a lift of 22 mm step 2 by itself would fit\.",
     ),
     "two heights": (
         (Footstep("right", 0.03, -0.039, height=0.01),),
@@ -446,3 +463,43 @@ def test_a_walk_begins_on_a_slope_and_goes_on_over_it(seed):
     # The same, print by print.
     steps = FootstepsSettings(numbers=numbers, **walk).footsteps(GEOMETRY)
     np.testing.assert_array_equal(plan(steps=steps, **walk).q, made.q)
+
+
+def test_a_print_that_is_off_the_ground_it_shares_is_told_its_height_there():
+    """On a slope each print overlaps the one before it; in hundredths they lie on one ground."""
+    slope = {"pitch": math.radians(-1.78), "roll": math.radians(-0.53)}
+    start = {"start_pitch": slope["pitch"], "start_roll": slope["roll"], "lift": 0.022}
+    normal = attitude(slope["roll"], slope["pitch"], 0.0)[:, 2]
+
+    def height(x, y):
+        return -(normal[0] * x + normal[1] * y) / normal[2]
+
+    steps = [
+        Footstep(foot, x, y, height=round(height(x, y), 5), **slope)
+        for foot, x, y in (("left", 0.015, 0.039), ("right", 0.033, -0.039), ("left", 0.05, 0.039))
+    ]
+    phases(steps=tuple(steps), **start)
+    high = replace(steps[2], height=steps[2].height + 6e-4)
+    with pytest.raises(InfeasibleMotion, match=r"two heights, 0\.[56]\d* mm apart") as refused:
+        phases(steps=(*steps[:2], high), **start)
+    told = float(re.search(r"With a height of (\S+) mm it would lie", str(refused.value))[1])
+    assert told / 1e3 == pytest.approx(steps[2].height, abs=2e-5)
+    phases(steps=(*steps[:2], replace(high, height=told / 1e3)), **start)
+    flat = replace(steps[2], pitch=0.0, roll=0.0)
+    with pytest.raises(InfeasibleMotion, match="two heights") as refused:
+        phases(steps=(*steps[:2], flat), **start)
+    words = r"height of (\S+) mm, a pitch of (\S+) deg and a roll of (\S+) deg it would lie"
+    up, pitch, roll = map(float, re.search(words, str(refused.value)).groups())
+    tilts = {"pitch": math.radians(pitch), "roll": math.radians(roll)}
+    phases(steps=(*steps[:2], replace(flat, height=up / 1e3, **tilts)), **start)
+
+
+@pytest.mark.parametrize("rise", [0.008, 0.013, 0.017])
+def test_the_lift_that_is_named_is_the_least_that_fits(rise):
+    step = Footstep("right", 0.1, -0.039, height=rise)
+    with pytest.raises(InfeasibleMotion, match="With a lift of") as refused:
+        phases(steps=(step,), lift=0.01)
+    lift = int(re.search(r"With a lift of (\d+) mm", str(refused.value))[1])
+    phases(steps=(step,), lift=1e-3 * lift)
+    with pytest.raises(InfeasibleMotion):
+        phases(steps=(step,), lift=1e-3 * (lift - 1))
