@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from drivers.sim.clock import World
+from rig.hal import ConfigurationError
 
 
 class ScheduledFault(Protocol):
@@ -66,10 +67,19 @@ class FaultSchedule:
         return self._waiting[-1].at if self._waiting else float("inf")
 
     def due(self, t: float) -> None:
-        """Make every fault happen that is due at `t` (s) and has not happened."""
+        """Make every fault happen that is due at `t` (s) and has not happened.
+
+        Raises
+        ------
+        ConfigurationError
+            Its value is none that it takes.
+        """
         while self._waiting and self._waiting[-1].at <= t:
             entry = self._waiting.pop()
-            self._targets[entry.device].inject(entry.fault, entry.size)
+            try:
+                self._targets[entry.device].inject(entry.fault, entry.size)
+            except ValueError as error:
+                raise ConfigurationError(f"simulation.faults: {error}") from error
 
 
 class FaultyWorld:

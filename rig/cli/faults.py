@@ -77,10 +77,15 @@ def list_kinds(rig: str, experiment: str | None, configs: Path | None, as_json: 
 
 
 def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
-    """Return what a profile calls a fault, of the first of its places."""
+    """Return what a profile calls a fault, of the first of its places, and what numbers mean."""
     from rig.faults.world_kinds import in_simulation
 
-    return "" if not places else in_simulation(kind, places[0]) or ""
+    setting = in_simulation(kind, places[0]) if places else None
+    if setting is None:
+        return ""
+    of = [place for place in places if place.target == places[0].target]
+    numbers = [f"{p.number:g} {p.names[0]}" for p in of if p.number is not None]
+    return f"{setting}; value: {', '.join(numbers)}" if numbers else setting
 
 
 @faults.command("run")

@@ -22,7 +22,9 @@ class FaultSpec:
     fault : str
         What; the emulated device knows the names.
     value : float or str, optional
-        How much, where the fault takes a value: a number in SI, or with its unit.
+        How much, where the fault takes a value: a number in SI, or with its unit. Of a fault that
+        befalls a channel without saying its name (`wire_cut`, `wire_break`) it is the channel's
+        number, counted from 0; `rig faults list RIG` has the names.
 
     Raises
     ------

@@ -1,12 +1,16 @@
 """The faults that a profile has scheduled in its simulated world, as events of the run."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rig.config.simulation_models import FaultSpec
+from rig.hal.world import BY_CHANNEL
 
 
 def faults_that_came(
-    faults: Sequence[FaultSpec], started: float, lasted: float
+    faults: Sequence[FaultSpec],
+    channels: Mapping[str, Sequence[str]],
+    started: float,
+    lasted: float,
 ) -> Iterator[tuple[float, str, dict[str, object]]]:
     """Return what broke by the end of a run: when on the log's clock, a sentence, and its data.
 
@@ -14,6 +18,8 @@ def faults_that_came(
     ----------
     faults : sequence of FaultSpec
         Of the profile, on the clock of its world.
+    channels : mapping
+        Names of the channels of each device, and of the plant.
     started : float
         When the log's clock began, s on that of the world.
     lasted : float
@@ -22,11 +28,24 @@ def faults_that_came(
     for fault in sorted(faults, key=lambda fault: fault.at):
         t = fault.at - started
         if t <= lasted:
-            size = "" if fault.size is None else f", {fault.size:g}"
-            sentence = f"simulation.faults: {fault.fault} of {fault.device}{size}"
             data: dict[str, object] = {
                 "fault": fault.fault,
                 "where": fault.device,
                 "magnitude": fault.size,
             }
+            channel = _channel_of(fault, channels.get(fault.device, ()))
+            if channel is not None:
+                data["channel"] = channel
+                size = f", {channel} (value {fault.size or 0.0:g}: channels count from 0)"
+            else:
+                size = "" if fault.size is None else f", {fault.size:g}"
+            sentence = f"simulation.faults: {fault.fault} of {fault.device}{size}"
             yield t, sentence, data
+
+
+def _channel_of(fault: FaultSpec, names: Sequence[str]) -> str | None:
+    """Return the channel that a fault's value means; None: the value is how much."""
+    number = 0.0 if fault.size is None else fault.size
+    if fault.fault not in BY_CHANNEL or number not in range(len(names)):
+        return None
+    return names[int(number)]

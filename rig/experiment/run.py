@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
+from rig.assembly.channels import channels_of
 from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.commissioning.permission import as_commissioned
@@ -292,8 +293,8 @@ def _run(
                         progress_every=watcher.progress_every,
                     )
         if rig.backend.is_simulated and loop.phases is not None and loop.t is not None:
-            faults = plan.profile.simulation.faults
-            for t, sentence, data in faults_that_came(faults, loop.phases.start, loop.t):
+            broken = plan.profile.simulation.faults, channels_of(plan.profile)
+            for t, sentence, data in faults_that_came(*broken, loop.phases.start, loop.t):
                 events(t, "injected", sentence, data)
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)

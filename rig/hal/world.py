@@ -2,9 +2,17 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from rig.hal.plant import Plant
+
+BY_CHANNEL: Final = frozenset({
+    "anchor_slipped", "blocked", "brake_released", "leak", "output_stuck", "regulator_closed",
+    "regulator_open", "regulator_stuck", "valve_closed", "valve_open", "valve_stuck", "wire_break",
+    "wire_cut", "wire_slack",
+})  # fmt: skip
+"""Faults whose value is the number of a channel, counted from 0; with a channel's name before it,
+as in ``agonist.leak``, the value of a fault says how much."""
 
 
 class Frames(NamedTuple):

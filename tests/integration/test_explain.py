@@ -179,7 +179,9 @@ def test_a_run_that_stopped_is_explained(tmp_path, capsys, fault, named):
     events = [json.loads(line) for line in (run / "events.jsonl").read_text().splitlines()]
     [event] = [event for event in events if event["kind"] == "injected"]
     [fault_event] = [event for event in events if event["kind"] == "fault"]
-    assert event["data"] == {"fault": fault, "where": "regulators", "magnitude": None}
+    channel = {"channel": "agonist"} if fault == "wire_break" else {}
+    told = {"fault": fault, "where": "regulators", "magnitude": None, **channel}
+    assert event["data"] == told
     assert fault_event["t"] - 0.1 < event["t"] < fault_event["t"], "cause before effect"
 
 

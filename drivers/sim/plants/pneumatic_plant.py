@@ -291,7 +291,6 @@ class PneumaticPlant(ABC):
             There is no such fault or channel, or the pressure is negative or not finite.
         """
         number = 0.0 if value is None else value
-        count = len(self.channel_names)
         name, dot, own = fault.rpartition(".")
         if fault not in self.known_faults:
             raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
@@ -306,9 +305,9 @@ class PneumaticPlant(ABC):
                 raise ValueError(f"plant: supply_lost leaves {number:g} Pa; 0 or more is needed")
             self._supply_pressure = number
             self._connect_supply()
-        elif number not in range(count):
-            some = ", ".join(str(channel) for channel in range(count - 1))
-            raise ValueError(f"plant: {fault} takes channel {some} or {count - 1}, not {number:g}")
+        elif number not in range(len(self.channel_names)):
+            known = ", ".join(f"{k} ({name})" for k, name in enumerate(self.channel_names))
+            raise ValueError(f"plant: {fault} takes a channel's number, {known}; not {number:g}")
         else:
             self._break_channel(fault, int(number))
 

@@ -7,6 +7,7 @@ import pytest
 
 from drivers.sim.clock import SimClock
 from drivers.sim.faults import FaultSchedule, FaultyWorld
+from rig.hal import ConfigurationError
 
 
 class Line(NamedTuple):
@@ -86,3 +87,13 @@ def test_a_fault_at_the_start_is_there_from_the_start():
 def test_an_unknown_fault_is_refused_before_anything_runs(entry, message):
     with pytest.raises(ValueError, match=message):
         FaultSchedule([entry], {"diary": Diary()})
+
+
+def test_a_value_that_does_not_fit_is_an_error_of_the_profile():
+    class Picky(Diary):
+        def inject(self, fault, value=None):
+            raise ValueError("diary: break takes a page")
+
+    schedule = FaultSchedule([Line(0.5, "diary", "break", -1.0)], {"diary": Picky()})
+    with pytest.raises(ConfigurationError, match=r"simulation\.faults: diary: break takes a page"):
+        schedule.due(1.0)
