@@ -128,7 +128,10 @@ def _spline(knots: Array, values: Array, corners: NDArray[np.intp]) -> "PPoly":
 
 
 def axis_path_of_line(
-    arm: Dimensions, trajectory: Trajectory, joints_at: Inverse | None = None
+    arm: Dimensions,
+    trajectory: Trajectory,
+    joints_at: Inverse | None = None,
+    watch: Callable[[Joints], None] | None = None,
 ) -> AxisPath:
     """Return the joints along a path that is gone once, through exact hits of shoulder and wrist.
 
@@ -144,6 +147,8 @@ def axis_path_of_line(
     joints_at : callable, optional
         From a nominal time (s) to all joints there (rad), turns nearest to the second argument;
         if the path is known better than by its poses. Otherwise S3 keeps its sign.
+    watch : callable, optional
+        Takes the joints of each sample (rad) as they are found; what it raises ends the search.
 
     Raises
     ------
@@ -192,6 +197,8 @@ def axis_path_of_line(
             )
         nominal.append(t)
         joints.append(q)
+        if watch is not None:
+            watch(q)
         step = min(1.6 * step, last / _FEWEST) if moved < 0.4 * FINEST else step
     (nominal, joints), corners = with_reversals(nominal, joints, solve)
     for _ in range(_REFINEMENTS):

@@ -129,7 +129,15 @@ class ArmLaw(
         except OutOfRange as error:
             if not isinstance(path, PosePath):
                 raise
-            return begun_elsewhere(self.arm, path, error, self._planned)
+            return begun_elsewhere(self.arm, path, error, self._planned_elsewhere)
+
+    def _planned_elsewhere(self, path: ArmPathSettings) -> ArmPlan:
+        """Return what `_planned` does of a path of which it only matters whether it fits.
+
+        A law that knows the joints before their timing may raise `OutOfRange` as soon as they
+        leave their ranges.
+        """
+        return self._planned(path)
 
     def _planned(self, path: ArmPathSettings) -> ArmPlan:
         """Return the plan of a path that keeps what is promised.

@@ -16,10 +16,10 @@ from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.kinematics import forward
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.motion_path import axis_path_of_motion, timed_samples
-from controllers.arm.plan import Sample
+from controllers.arm.plan import ArmPlan, RangeWatch, Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, grid_of, retime_within
-from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectories import ArmPathSettings, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion
@@ -70,6 +70,15 @@ class LookAhead(ArmLaw[LookAheadSettings]):
     name = "look-ahead"
     promises = Promises(rates=ALL_JOINTS, accelerations=ALL_JOINTS, path=True)
 
+    _watch: RangeWatch | None = None
+
+    def _planned_elsewhere(self, path: ArmPathSettings) -> ArmPlan:
+        self._watch = RangeWatch(self.geometry)
+        try:
+            return self._planned(path)
+        finally:
+            self._watch = None
+
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""
         if isinstance(trajectory, StraightTrajectory) and trajectory.depth is not None:
@@ -112,7 +121,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         from controllers.arm.pose_trajectory import PoseTrajectory  # half a second, with scipy
 
         if isinstance(trajectory, PoseTrajectory | TurnTrajectory):
-            return axis_path_of_line(self.arm, trajectory)
+            return axis_path_of_line(self.arm, trajectory, watch=self._watch)
         if isinstance(trajectory, CircularTrajectory):
             return axis_path_of_line(self.arm, trajectory, trajectory.joints_at)
         trajectory, share = self._brisk(trajectory)

@@ -251,6 +251,42 @@ class OutOfRange(InfeasibleMotion):
         self.turns = turns
 
 
+class RangeWatch:
+    """The joints of a motion so far; raises as soon as no whole turns keep them in their ranges.
+
+    Parameters
+    ----------
+    geometry : ArmGeometry
+        Whose ranges count.
+    """
+
+    def __init__(self, geometry: ArmGeometry) -> None:
+        self._ranges = tuple(zip(geometry.position_min, geometry.position_max, strict=True))
+        self._low = [math.inf] * len(self._ranges)
+        self._high = [-math.inf] * len(self._ranges)
+
+    def __call__(self, q: Joints) -> None:
+        """Look at further joints, rad.
+
+        Raises
+        ------
+        OutOfRange
+            With the joint and how far it goes.
+        """
+        for j, angle in enumerate(q):
+            if self._low[j] <= angle <= self._high[j]:
+                continue
+            low = self._low[j] = min(self._low[j], angle)
+            high = self._high[j] = max(self._high[j], angle)
+            lower, upper = self._ranges[j]
+            if math.ceil((lower - low) / math.tau) > math.floor((upper - high) / math.tau):
+                raise OutOfRange(
+                    f"{AXIS_NAMES[j]} would go from {low:.4f} to {high:.4f} rad, which its range "
+                    f"of {lower:.4f} to {upper:.4f} rad does not hold.",
+                    None,
+                )
+
+
 def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> None:
     """Raise if a joint leaves its range.
 

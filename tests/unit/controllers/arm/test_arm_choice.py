@@ -9,9 +9,11 @@ from arm_cases import radians
 from drawn_cases import WIDE, faults_of, hand_of
 from test_arm_path import drawn, spline_of
 
+from controllers.arm import look_ahead, retiming
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import Line
+from controllers.arm.plan import OutOfRange, RangeWatch
 from controllers.arm.singular_places import NEAR, singular_places
 from controllers.motion import InfeasibleMotion
 
@@ -56,7 +58,8 @@ def test_a_path_is_begun_on_a_branch_that_keeps_the_ranges(joint):
     assert f"q{joint + 1} would be at" in note
 
 
-def test_if_no_branch_keeps_the_ranges_that_is_said_with_how_many_were_tried():
+def test_if_no_branch_keeps_the_ranges_that_is_said_with_how_many_were_tried(monkeypatch):
+    """Of the others the joints alone are looked at: 7 timings took a minute."""
     path = drawn(3)
     free = plan(path)
     low, high = list(WIDE["position_min"]), list(WIDE["position_max"])
@@ -64,6 +67,25 @@ def test_if_no_branch_keeps_the_ranges_that_is_said_with_how_many_were_tried():
     with pytest.raises(InfeasibleMotion, match=r"None of 7 other branches keeps all ranges\."):
         plan(path, ArmGeometry(position_min=tuple(low), position_max=tuple(high)))
     assert not free.notes
+    timings = []
+
+    def counted(*args):
+        timings.append(args)
+        return retiming.retime_within(*args)
+
+    monkeypatch.setattr(look_ahead, "retime_within", counted)
+    with pytest.raises(InfeasibleMotion, match="None of 7 other branches"):
+        plan(path, ArmGeometry(position_min=tuple(low), position_max=tuple(high)))
+    assert len(timings) == 1
+
+
+def test_joints_are_watched_for_the_first_that_no_whole_turns_keep_in_its_range():
+    watch = RangeWatch(ArmGeometry(position_min=(-3.0,) * 6, position_max=(3.0,) * 6))
+    watch((7.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # a turn less is within
+    watch((4.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    with pytest.raises(OutOfRange, match=r"q1 would go from 3\.2000 to 7\.0000 rad") as refused:
+        watch((3.2, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert refused.value.turns is None
 
 
 def test_whole_turns_are_told_with_the_reason():

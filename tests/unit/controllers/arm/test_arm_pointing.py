@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from arm_cases import radians
 from drawn_cases import WIDE, faults_of, hand_of
+from scipy.spatial.transform import Rotation, RotationSpline
 from test_arm_places import of_vector
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.places.frames import TaughtFrame
-from controllers.arm.places.turning import Pointed
+from controllers.arm.places.turning import Pointed, Splined
 from controllers.arm.pose_path import PosePath
 from controllers.motion import InfeasibleMotion
 
@@ -198,3 +199,16 @@ def test_a_frame_that_the_rig_has_not_is_named_with_those_that_it_has():
         path.seen_in({"table": TaughtFrame()})
     with pytest.raises(InfeasibleMotion, match="of the rig none"):
         plan(path)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0])
+def test_a_spline_of_rotations_is_that_of_scipy(size):
+    """Turns below and above where a series stands for sine and cosine, and at the knots."""
+    rng = np.random.default_rng(11)
+    turns = Rotation.from_rotvec(size * rng.normal(size=(7, 3)))
+    u = np.concatenate(([0.0], np.cumsum(rng.uniform(0.05, 0.3, 6))))
+    before = Rotation.random(rng=rng)
+    made = Splined(u, [tuple(q) for q in np.roll(turns.as_quat(), 1, axis=1)], before.as_matrix())
+    theirs = RotationSpline(u, before * turns)
+    for at in [*np.linspace(0.0, u[-1], 200).tolist(), *u.tolist()]:
+        np.testing.assert_allclose(made.at(at), theirs(at).as_matrix(), atol=4e-15)
