@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 
 _RUN: Final = "rig run EXPERIMENT --on hardware"
+_LAW: Final = "cascade"
+"""Which law `rig tune` takes when none is named."""
 
 
 class Milestone(NamedTuple):
@@ -68,15 +70,21 @@ def status(
     steps = way(profile, search, out)
     stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
     title = ", ".join(filter(None, (profile.name, profile.description)))
-    following = _following(steps)
+    following, simulated = _following(steps), _in_simulation(profile, search, steps)
     if as_json:
-        shown = {"stages": [stage._asdict() for stage in stages], "next": following or None}
+        shown = {
+            "stages": [stage._asdict() for stage in stages],
+            "next": following or None,
+            "next_in_simulation": simulated,
+        }
         print_json(shown)
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(title, ("what", "state"), rows)])
     if following:
         click.echo(f"next: {following}", err=True)
+    if simulated is not None and simulated != following:
+        click.echo(f"next in simulation: {simulated}", err=True)
     return 0
 
 
@@ -98,12 +106,50 @@ def way(profile: Profile, search: Sequence[Path], out: Path | None = None) -> li
         *([] if out is None else [_computer(profile, out)]),
         _commissioned(profile, search),
         *_calibrated(profile, search),
-        *_tuned(profile),
+        *_tuned(profile, out),
     ]
 
 
 def _following(stages: Sequence[Milestone]) -> str:
     return next((stage.remedy for stage in stages if stage.remedy), _RUN)
+
+
+def _in_simulation(
+    profile: Profile, search: Sequence[Path], steps: Sequence[Milestone]
+) -> str | None:
+    """Return the command that comes next without hardware; None: there is nothing to simulate."""
+    if profile.plant is None:
+        return None
+    remedies = {step.what: step.remedy for step in steps if step.remedy}
+    if "valid" in remedies:
+        return remedies["valid"]
+    if _lacks_calibration(profile, search):
+        return f"rig calibrate {profile.argument} --all"
+    return remedies.get("tuned", f"rig run EXPERIMENT --rig {profile.argument}")
+
+
+def _lacks_calibration(profile: Profile, search: Sequence[Path]) -> bool:
+    """Return whether a procedure that the rig is fit for has found nothing yet, on any backend."""
+    from rig.calibration.catalogue import procedures
+
+    return any(
+        not all(_entries_of(profile, search, name, procedure)) and not _lack(procedure, profile)
+        for name, procedure in procedures(profile).items()
+    )
+
+
+def _entries_of(
+    profile: Profile, search: Sequence[Path], name: str, procedure: AnyProcedure
+) -> list[list[dict[str, object]]]:
+    """Return what a procedure has found of each of its targets."""
+    from rig.calibration import store
+
+    found = []
+    for target in procedure.targets(profile):
+        content = store.in_force(profile, search, target)
+        entries = [] if content is None else content["measured"]
+        found.append([entry for entry in entries if entry["procedure"] == name])
+    return found
 
 
 def tell_next(profile: Profile, search: Sequence[Path]) -> None:
@@ -170,7 +216,6 @@ def _latch(profile: Profile) -> Milestone:
 
 def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
     """Return what each procedure has found, with its age, and whether hardware takes it."""
-    from rig.calibration import store
     from rig.calibration.catalogue import procedures
 
     stages = []
@@ -182,11 +227,7 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
             state = f"no: the calibration of its name belongs to another rig: {owner}"
             stages.append(Milestone(f"calibrated: {name}", state, f"rig check {profile.argument}"))
             continue
-        found = []
-        for target in procedure.targets(profile):
-            content = store.in_force(profile, search, target)
-            entries = [] if content is None else content["measured"]
-            found.append([entry for entry in entries if entry["procedure"] == name])
+        found = _entries_of(profile, search, name, procedure)
         remedy = f"rig calibrate {profile.argument} {name} --on hardware"
         lack = "" if all(found) else _lack(procedure, profile)
         if lack:
@@ -223,9 +264,10 @@ def _lack(procedure: AnyProcedure, profile: Profile) -> str:
     return ""
 
 
-def _tuned(profile: Profile) -> list[Milestone]:
+def _tuned(profile: Profile, out: Path | None) -> list[Milestone]:
     from rig.assembly import REGISTRY
     from rig.config.laid_over import TUNED
+    from rig.tuning.attempt import last_attempt
 
     if REGISTRY.bench(profile.mechanism) is None:
         return []
@@ -234,9 +276,19 @@ def _tuned(profile: Profile) -> list[Milestone]:
         for name, calibration in profile.calibrations.items()
         if name.startswith(TUNED)
     }
+    remedy = f"rig tune {profile.argument}"
+    tried = None if out is None else last_attempt(out, profile.name)
+    in_vain = ""
+    if tried is not None and not tried.is_put and tried.objections:
+        more = f"--generations {2 * tried.generations}"
+        remedy += f" --controller {tried.law} {more}" if tried.law != _LAW else f" {more}"
+        in_vain = (
+            f"; {tried.date[:10]} {tried.generations} generations for {tried.law} found no better "
+            f"ones: {tried.objections[0]}"
+        )
     if not found:
-        state = "no: the profile's own gains are in force"
-        return [Milestone("tuned", state, f"rig tune {profile.argument}")]
+        state = f"no: the profile's own gains are in force{in_vain}"
+        return [Milestone("tuned", state, remedy)]
     return [
         Milestone(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
         for law, calibration in found.items()

@@ -63,6 +63,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     """
     from rig.config.names import find_configs
     from rig.sweeping.errors import SweepStopped
+    from rig.tuning.attempt import keep_attempt
     from rig.tuning.search import GainSearch
     from rig.tuning.verdict import judge, objections, trades
     from rig.tuning.workbench import Request, Workbench
@@ -100,6 +101,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     traded = trades(now, before, bench.unit)
     for sentence in traded:
         click.echo(sentence, err=True)
+    keep_attempt(folder, controller, options["generations"], against, is_put=is_put)
     file = _apply(bench, request, now, find_configs(configs), options) if is_put else None
     if options["as_json"]:
         print_json({
@@ -138,10 +140,11 @@ def _as_data(verdict: EnsembleVerdict) -> dict[str, object]:
 def _folder(out: Path, bench: Workbench, request: Request) -> Path:
     from rig.config.dump import dump_resolved
     from rig.sweeping.code import code_version
+    from rig.tuning.attempt import folder_prefix
 
     text = f"{request.text()} {dump_resolved(bench.profile)} {code_version().digest}"
     name = hashlib.sha256(text.encode()).hexdigest()[:8]
-    return out / f"tune-{bench.profile.name}-{request.controller}-{name}"
+    return out / f"{folder_prefix(bench.profile.name, request.controller)}{name}"
 
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:

@@ -13,6 +13,7 @@ from rig.cli.status import status
 from rig.commissioning.record import CommissioningState
 from rig.doctor.look import Fitness, Look
 from rig.experiment.fault_latch import FaultLatch
+from rig.tuning.attempt import keep_attempt
 
 COMMISSIONS = True
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -123,6 +124,49 @@ def test_what_hardware_does_not_take_comes_again(configs, monkeypatch, changes, 
     found, following = stages(configs)
     assert words in found["calibrated: regulators"]
     assert following == "rig calibrate cylinder regulators --on hardware --replace"
+
+
+def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
+    """Whoever has no bus is not sent to the computer and the acceptance test for ever."""
+
+    def following():
+        found = show(configs)
+        shown = json.loads(show(configs, "--json").stdout)["next_in_simulation"]
+        assert f"next in simulation: {shown}" in found.stderr.splitlines()
+        return shown
+
+    assert following() == "rig calibrate cylinder --all"
+    keep(configs, *(set(PROCEDURES) - {"friction"}), backend="virtual")
+    assert following() == "rig calibrate cylinder --all"
+    keep(configs, *PROCEDURES, backend="virtual")
+    assert following() == "rig tune cylinder"
+
+    folder = configs.parent / "tune-cylinder-cascade-01234567"
+    folder.mkdir()
+    keep_attempt(folder, "cascade", 3, ["4 of 27 plants are lost"], is_put=False)
+    assert following() == "rig tune cylinder --generations 6"
+    state = stages(configs)[0]["tuned"]
+    assert "found no better ones: 4 of 27 plants are lost" in state
+    assert f"{TODAY:%Y-%m-%d} 3 generations for cascade" in state
+
+    tuned = {"procedure": "tune", "date": TODAY.isoformat(), "operator": "A", "backend": "virtual"}
+    store.write(
+        configs,
+        "cylinder",
+        "controllers.cascade",
+        {"values": {}, "measured": [], "provenance": tuned},
+    )
+    assert following() == "rig run EXPERIMENT --rig cylinder"
+
+
+def test_a_tune_of_another_rig_or_a_damaged_one_is_not_told(configs):
+    for name, text in (("tune-cylinder-x-cascade-0", None), ("tune-cylinder-pid-1", "{")):
+        folder = configs.parent / name
+        folder.mkdir()
+        keep_attempt(folder, "cascade", 3, ["lost"], is_put=False)
+        if text is not None:
+            (folder / "verdict.json").write_text(text)
+    assert stages(configs)[0]["tuned"] == "no: the profile's own gains are in force"
 
 
 def test_what_a_rig_cannot_be_calibrated_for_is_not_missing(configs, monkeypatch):

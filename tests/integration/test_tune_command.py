@@ -16,6 +16,7 @@ from rig.assembly import REGISTRY
 from rig.cli import invoke
 from rig.config import load_profile
 from rig.config.names import find_configs
+from rig.tuning.attempt import last_attempt
 
 QUICK = (
     "--controller", "pid", "--for", "cylinder-step", "--generations", "3",
@@ -54,6 +55,8 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
         assert word in table
     (figure,) = (place / "whole").glob("*/tuning.png")
     assert figure.stat().st_size > 10_000
+    attempt = last_attempt(place / "whole", "cylinder")
+    assert attempt is not None and attempt.law == "pid" and attempt.is_put
     shutil.rmtree(place / "configs" / "calibration")
 
     drawn = random.Random(4242)

@@ -1,0 +1,102 @@
+"""What a tune came to, kept among the runs: gains that were not put in force are known, too."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import NamedTuple, TypedDict
+
+from rig.hal import ConfigurationError
+from rig.json_file import write_json
+from rig.typed_json import read_json
+
+_FILE = "verdict.json"
+
+
+class _Kept(TypedDict):
+    """The content of the file."""
+
+    law: str
+    date: str
+    generations: int
+    objections: list[str]
+    is_put: bool
+
+
+class Attempt(NamedTuple):
+    """A tune that came to its end.
+
+    Parameters
+    ----------
+    law : str
+        Whose gains.
+    date : str
+        UTC, ISO 8601.
+    generations : int
+        As ``--generations`` said.
+    objections : tuple of str
+        What spoke against the gains that were found.
+    is_put : bool
+        Whether they were put in force.
+    """
+
+    law: str
+    date: str
+    generations: int
+    objections: tuple[str, ...]
+    is_put: bool
+
+
+def folder_prefix(rig: str, law: str) -> str:
+    """Return how the names of the folders begin in which tunes of a law keep what they try."""
+    return f"tune-{rig}-{law}-"
+
+
+def keep_attempt(
+    folder: Path, law: str, generations: int, objections: Sequence[str], *, is_put: bool
+) -> None:
+    """Keep what a tune came to in its folder; nobody hears of it where that cannot be written.
+
+    Parameters
+    ----------
+    folder : Path
+        Of what it has tried.
+    law, generations, objections, is_put
+        See `Attempt`.
+    """
+    kept: _Kept = {
+        "law": law,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "generations": generations,
+        "objections": list(objections),
+        "is_put": is_put,
+    }
+    try:
+        write_json(folder / _FILE, kept)
+    except OSError:  # a convenience of `rig status`
+        return
+
+
+def last_attempt(out: Path, rig: str) -> Attempt | None:
+    """Return the last tune of a rig of any law that came to its end; None: there was none.
+
+    Parameters
+    ----------
+    out : Path
+        Where runs are kept.
+    rig : str
+        The profile's name.
+    """
+    found = []
+    for path in out.glob(f"tune-*/{_FILE}"):
+        try:
+            kept = read_json(path, _Kept)
+        except (ConfigurationError, OSError):  # somebody else's, or damaged
+            continue
+        if path.parent.name.startswith(folder_prefix(rig, kept["law"])):
+            found.append(
+                Attempt(
+                    kept["law"], kept["date"], kept["generations"], tuple(kept["objections"]),
+                    kept["is_put"],
+                )
+            )  # fmt: skip
+    return max(found, key=lambda attempt: attempt.date, default=None)
