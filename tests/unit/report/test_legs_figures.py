@@ -76,7 +76,17 @@ def test_balance_has_one_print_per_stand_and_the_bound(run_of):
 
 def test_joints_are_drawn_with_torque(run_of):
     figure = drawn("joints", run_of("legs-walk", *BRISK, METRICS))
-    assert figure.axes[-1].get_ylabel().startswith("knee torque")
+    assert figure.axes[-2].get_ylabel().startswith("knee torque")
+
+
+def test_no_leg_hides_the_other_where_both_do_the_same(run_of):
+    figure = drawn("joints", run_of("legs-squat", *BEND))
+    titles = [axes.get_title(loc="left") for axes in figure.axes[:2]]
+    assert titles == ["right leg", "left leg"]
+    for axes in figure.axes:
+        assert len([line for line in axes.lines if len(line.get_xdata()) > 2]) == 1
+    for right, left in zip(figure.axes[::2], figure.axes[1::2], strict=True):
+        assert right.get_ylim() == left.get_ylim()
 
 
 def test_knee_bend_has_no_steps_to_draw(run_of):

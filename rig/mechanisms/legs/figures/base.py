@@ -31,14 +31,24 @@ def turns(run: RunData) -> bool:
     return any(run.has(name) and bool(np.any(run.trace(name))) for name in names)
 
 
-def mark_phases(axes: "Axes", run: RunData) -> None:
-    """Shade the swings, and tick the instants between phases: there the knees are straight."""
+def mark_phases(axes: "Axes", run: RunData, most: int = _MOST_TICKS) -> None:
+    """Shade the swings, and tick the instants between phases: there the knees are straight.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of a signal over time.
+    run : RunData
+        Whose phases.
+    most : int
+        More instants than these are not ticked: their numbers would run into each other.
+    """
     phases = [segment for segment in run.segments if segment.name != "all"]
     for phase in phases:
         if phase.name.startswith("swing"):
             axes.axvspan(phase.start, phase.end, color=SHADE, lw=0, zorder=0)
     instants = sorted({0.0, *(phase.end for phase in phases)})
-    if len(phases) > 1 and len(instants) <= _MOST_TICKS:
+    if len(phases) > 1 and len(instants) <= most:
         axes.set_xticks(instants, labels=[f"{instant:.3g}" for instant in instants])
 
 

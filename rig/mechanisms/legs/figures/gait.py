@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _NEAR_SINGULAR = 5.0
 """deg; a knee below is near the straight one."""
 _PALE = "#b4bdc7"
+_MOST_TICKS = 9
+"""Instants that have their numbers under half a page."""
 
 
 def draw_ankle(run: RunData) -> "Figure | None":
@@ -92,25 +94,29 @@ def draw_joints(run: RunData) -> "Figure | None":
     has_torque = run.has("truth.torque_right_knee")
     rows = len(joints) + has_torque
     figure = new_figure(PAGE, 14.0 + 26.0 * rows)
-    strips = panels(figure, rows, 1, sharex=True)
+    # A column for each leg: what a servo ripples by is a band, and hides whatever is under it.
+    grid = panels(figure, rows, 2, sharex=True, sharey="row")
+    columns = grid[::2], grid[1::2]
     t = run.time
-    for axes, joint in zip(strips, joints, strict=False):
-        for leg in LEGS:
+    for leg, strips in zip(LEGS, columns, strict=True):
+        for axes, joint in zip(strips, joints, strict=False):
             name = f"{leg}_{joint}"
-            error = np.degrees(
-                run.trace(f"applied.position_{name}") - run.trace(f"reading.position_{name}")
+            applied, measured = (
+                run.trace(f"{source}.position_{name}") for source in ("applied", "reading")
             )
+            error = np.degrees(applied - measured)
             draw_line(axes, t, error, COLORS[leg], f"{leg} leg", lw=0.6)
-        finish_time_axis(axes, t, f"{joint.replace('_', ' ')}, off\nits setpoint (deg)", "")
-    if has_torque:
-        for leg in LEGS:
+            finish_time_axis(axes, t, f"{joint.replace('_', ' ')}, off\nits setpoint (deg)", "")
+        if has_torque:
             torque = run.trace(f"truth.torque_{leg}_knee")
             draw_line(strips[-1], t, torque, COLORS[leg], f"{leg} leg", lw=0.6)
-        finish_time_axis(strips[-1], t, "knee torque\n(N m)", "")
-    for axes in strips:
-        mark_phases(axes, run)
-    place_legend(strips[0], 2)
-    strips[-1].set_xlabel(TIME_LABEL)
+            finish_time_axis(strips[-1], t, "knee torque\n(N m)", "")
+        for axes in strips:
+            mark_phases(axes, run, most=_MOST_TICKS)
+        strips[0].set_title(f"{leg} leg", loc="left")
+        strips[-1].set_xlabel(TIME_LABEL)
+    for axes in columns[1]:
+        axes.set_ylabel("")
     figure.align_ylabels()
     return figure
 
