@@ -47,7 +47,9 @@ _UNDER_WAY = 20e-3
     help="YAML file of what to answer, by the keys that --dry-run shows.",
 )  # fmt: skip
 @click.option("--anew", is_flag=True, help="Begin again, whatever has passed before.")
-@click.option("--dry-run", is_flag=True, help="Show the steps; open nothing.")
+@click.option(
+    "--dry-run", is_flag=True, help="Show the steps and the keys of --answers; open nothing."
+)
 @click.option("--operator", default=None, help="Who tests; default: the user's name.")
 @click.option(
     "--valid-for", type=click.IntRange(1, 36500), default=365, show_default=True, help="Days."
@@ -164,11 +166,31 @@ def _rested(rig: Rig) -> Rig:
 
 
 def _show(profile: Profile, steps: Sequence[AcceptanceStep], *, as_json: bool) -> int:
+    """Show the steps, and by which keys a file of answers answers what they ask."""
+    from rig.commissioning.questions import questions_of
+
+    click.echo("gone through on emulated devices to see what is asked …", err=True)
+    questions, stopped = questions_of(profile, steps)
     if as_json:
         told = [{"step": s.name, "does": s.does, "expects": s.expects} for s in steps]
-        print_data(json.dumps({"rig": profile.name, "steps": told}, indent=2, ensure_ascii=False))
+        content = {
+            "rig": profile.name, "steps": told, "answers": [q._asdict() for q in questions],
+            "answers_lack": stopped,
+        }  # fmt: skip
+        print_data(json.dumps(content, indent=2, ensure_ascii=False))
         return 0
     rows = [(step.name, step.does, step.expects) for step in steps]
     title = f"acceptance test of {profile.name}"
-    print_tables([Table(title, ("step", "what happens", "what is expected"), rows)])
+    header = ("key", "step", "what is asked", "simulated hands answer")
+    asked = [(*question[:3], question.simulated or "none") for question in questions]
+    print_tables([
+        Table(title, ("step", "what happens", "what is expected"), rows),
+        Table("keys of a file for --answers", header, asked),
+    ])  # fmt: skip
+    click.echo(
+        "a number that ends a key is what was set when it was asked; another rig may come to "
+        "another one", err=True,
+    )  # fmt: skip
+    if stopped is not None:
+        click.echo(f"what is asked is not known any further: {stopped}", err=True)
     return 0

@@ -1,5 +1,6 @@
 """The acceptance test: healthy rigs pass, and each planted defect is found where it has to be."""
 
+import json
 import shutil
 from types import SimpleNamespace
 
@@ -8,7 +9,7 @@ from planted import EARLIER, PLANTED, drawn_unit, no_dump_valve, rig_with
 
 from rig.assembly import REGISTRY
 from rig.cli import invoke
-from rig.commissioning.operator import SimulatedOperator
+from rig.commissioning.operator import SimulatedOperator, WrittenAnswers
 from rig.commissioning.session import CommissioningFacts, begin, commission, steps_of
 from rig.commissioning.site import Site
 from rig.config import find_configs, load_profile
@@ -95,6 +96,30 @@ def test_answers_that_are_none_are_refused_before_anything_is_opened(tmp_path, c
     file.write_text("- pressed\n")
     assert invoke(["commission", "cylinder", "--dry-run", "--answers", str(file)]) == 2
     assert "answers.yaml has no keys and answers" in capsys.readouterr().err
+
+
+def test_the_keys_of_answers_are_shown_and_answer_what_is_asked(tmp_path, capsys, monkeypatch):
+    steps = [step for step in steps_of(unit("cylinder", 1)) if step.name in ("bus", "sensors")]
+    monkeypatch.setattr("rig.commissioning.session.steps_of", lambda _: steps)
+    monkeypatch.chdir(tmp_path)
+    assert invoke(["commission", "cylinder", "--dry-run", "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["answers_lack"] is None
+    answers = {entry["key"]: entry["simulated"] for entry in shown["answers"]}
+    assert set(answers) == {"sensors.agonist", "sensors.antagonist"}
+    assert {entry["step"] for entry in shown["answers"]} == {"sensors"}
+    assert invoke(["commission", "cylinder", "--dry-run"]) == 0
+    assert "sensors.agonist" in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+    asked = []
+    given = WrittenAnswers(answers, SimulatedOperator())
+    monkeypatch.setattr("rig.cli.commission._operator", lambda *_: given)
+    answer = given.answer
+    monkeypatch.setattr(given, "answer", lambda task: (asked.append(task.key), answer(task))[1])
+    (tmp_path / "configs").mkdir()
+    assert invoke(["commission", "cylinder", "--out", "runs"]) == 0
+    assert set(asked) == set(answers)
 
 
 def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, capsys, monkeypatch):
