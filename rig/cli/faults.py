@@ -141,9 +141,11 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
-    default=CAMPAIGNS,
-    show_default=True,
-    help="Where the campaign and its failures are kept.",
+    help=f"Where the campaign and its failures are kept; default: {CAMPAIGNS}, or {CAMPAIGNS} "
+    "below --runs.",
+)
+@click.option(
+    "--runs", type=click.Path(path_type=Path, file_okay=False), help="Where run folders live."
 )
 @configs_option
 @json_option
@@ -157,7 +159,8 @@ def run(
     experiments: tuple[str, ...],
     seed: int,
     workers: int,
-    out: Path,
+    out: Path | None,
+    runs: Path | None,
     configs: Path | None,
     as_json: bool,
 ) -> int:
@@ -178,6 +181,9 @@ def run(
 
     if sum((full, count is not None and only is None)) > 1:
         raise click.UsageError("--full and --random say two things about how many cases there are")
+    if out is not None and runs is not None:
+        raise click.UsageError("--out is where campaigns lie, --runs what has a folder of them")
+    out = out or (CAMPAIGNS if runs is None else runs / CAMPAIGNS)
     breaks = full or count is not None or only is not None
     if hours is not None and breaks:
         raise click.UsageError("--quiet breaks nothing; --full, --random and --only do")

@@ -58,8 +58,11 @@ _TOLD = {"failed": "missed a bound"}
 @click.option("--cool-down", metavar="TIME", help="With --serial: rest between two points.")
 @click.option(
     "--out", type=click.Path(path_type=Path),
-    help="The sweep's folder; default: runs/sweeps/EXPERIMENT-BACKEND.",
+    help="The sweep's folder; default: sweeps/EXPERIMENT-BACKEND among the runs.",
 )  # fmt: skip
+@click.option(
+    "--runs", type=click.Path(path_type=Path), help="Where run folders live; default: runs."
+)
 @configs_option
 @json_option
 @yes_option
@@ -80,6 +83,7 @@ def sweep(
     serial: bool,
     cool_down: str | None,
     out: Path | None,
+    runs: Path | None,
     configs: Path | None,
     as_json: bool,
     yes: str | None,
@@ -101,7 +105,12 @@ def sweep(
     from rig.sweeping.sweep_file import is_sweep_file, load_sweep, parse_keep
 
     file = load_sweep(Path(experiment)) if is_sweep_file(experiment) else SweepRequest(experiment)
+    if runs is not None and out is not None:
+        raise click.UsageError(
+            "--out is the sweep's folder, --runs where it lies: give one of them"
+        )
     # What the command line says goes before what the file says.
+    file = file if runs is None else replace(file, out=None)
     said: dict[str, object] = {
         "on": backend,
         "rig": rig_name,
@@ -109,6 +118,7 @@ def sweep(
         "workers": workers,
         "dask": dask,
         "out": out,
+        "runs": runs,
         "best": metric,
         "draw_seed": draw_seed,
         "seeds": seeds and parse_seeds(seeds),

@@ -11,13 +11,14 @@ import numpy as np
 from rig.assembly import Backend
 from rig.config.setting import Setting
 from rig.hal import ConfigurationError
+from rig.run_names import RUNS
 from rig.sweeping.axis import Axis
 from rig.sweeping.design import AnyAxis
 from rig.sweeping.stop_rule import StopRule
 from rig.sweeping.written import Written
 
-SWEEPS: Final = Path("runs/sweeps")
-"""Where sweeps live unless they are told otherwise."""
+SWEEPS: Final = "sweeps"
+"""Where sweeps live among the runs, unless they are told otherwise."""
 SIMULATED: Final = ("sim", "virtual")
 """Backends on which points do not disturb each other."""
 
@@ -51,7 +52,9 @@ class SweepRequest:
     cool_down : float
         Rest between two points of `serial`, s.
     out : Path, optional
-        The sweep's folder.
+        The sweep's folder; default: of the experiment's and the backend's name, below `runs`.
+    runs : Path
+        Where run folders live, sweeps among them.
     draw_seed : int
         Of drawn axes.
     stop_when : StopRule, optional
@@ -76,6 +79,7 @@ class SweepRequest:
     serial: bool = False
     cool_down: float = 0.0
     out: Path | None = None
+    runs: Path = RUNS
     draw_seed: int = 0
     stop_when: StopRule | None = None
     seconds: float | None = None
@@ -86,7 +90,7 @@ class SweepRequest:
     @property
     def folder(self) -> Path:
         """The sweep's folder."""
-        return self.out or SWEEPS / f"{Path(self.experiment).stem}-{self.on}"
+        return self.out or self.runs / SWEEPS / f"{Path(self.experiment).stem}-{self.on}"
 
     def checked(self) -> "SweepRequest":
         """Return the request.

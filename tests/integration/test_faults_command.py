@@ -36,6 +36,15 @@ def test_a_run_without_a_fault_is_no_failure(tmp_path):
     assert not [path for path in (tmp_path / "seed-0").iterdir() if path.is_dir()]
 
 
+def test_the_folder_of_runs_is_said_as_everywhere(tmp_path):
+    runs = tmp_path / "mine"
+    result = run("run", "cylinder", "--only", "nothing", "--runs", runs)
+    assert result.return_value == 0, result.output
+    assert (runs / "faults" / "seed-0" / "campaign.json").exists()
+    both = run("run", "cylinder", "--only", "nothing", "--runs", runs, "--out", tmp_path)
+    assert "--out is where campaigns lie" in str(both.exception)
+
+
 def test_a_campaign_is_kept_beside_an_earlier_one_of_its_seed(tmp_path):
     for fault in ("encoder_alarm", "nothing", "wire_break"):
         result = run("run", "cylinder", "--only", fault, "--out", tmp_path)

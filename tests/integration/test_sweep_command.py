@@ -67,6 +67,18 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
     assert {name: (serial / name).read_bytes() for name in before} == before
 
 
+def test_the_folder_of_runs_is_said_as_everywhere(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    few = ("--vary", "plant.friction_scale=0.9", "--workers", 1)
+    code, _, _ = run(capsys, "cylinder-ideal-step", *SHORT, *few, "--runs", "mine")
+    assert code == 0
+    assert (tmp_path / "mine" / "sweeps" / "cylinder-ideal-step-sim" / "sweep.csv").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+    both = ("--runs", "mine", "--out", "other")
+    code, _, told = run(capsys, "cylinder-ideal-step", *SHORT, *few, *both)
+    assert code == 2 and "give one of them" in told
+
+
 def test_variations_are_rows_laws_are_columns_and_what_stopped_is_named(tmp_path, capsys):
     file, out = tmp_path / "varied.yaml", tmp_path / "out"
     text = (
