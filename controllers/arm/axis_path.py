@@ -43,6 +43,8 @@ _SHORTEST = 1e-13
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
 _LOOKED_AT = 500
 """Places of a path that leaves the workspace at which it is looked at by how much."""
+_CLOSER = 3
+"""How often, the last times closely about the place where it leaves farthest."""
 _LEAVING = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 """Shares of the path after which it is looked at how a singularity at its beginning is left."""
 _REFINEMENTS = 24
@@ -289,13 +291,17 @@ def _met(arm: Dimensions, q: Joints) -> str:
 
 def _farthest(trajectory: Trajectory, t: float, left: OutOfReach, reached: Inverse) -> str:
     """Return in words where a path, left at an instant, is farthest outside of the workspace."""
-    beyond = [(left.beyond, t)]
-    for at in np.linspace(0.0, trajectory.duration, _LOOKED_AT).tolist():
-        try:
-            reached(at, trajectory.start)
-        except OutOfReach as error:
-            beyond.append((error.beyond, at))
-    most, at = max(beyond)
+    most, at = left.beyond, t
+    low, high, count = 0.0, trajectory.duration, _LOOKED_AT
+    for _ in range(_CLOSER):
+        for instant in np.linspace(low, high, count).tolist():
+            try:
+                reached(instant, trajectory.start)
+            except OutOfReach as error:
+                most, at = max((most, at), (error.beyond, instant))
+        step = (high - low) / (count - 1)
+        low, high = max(at - step, 0.0), min(at + step, trajectory.duration)
+        count = _LOOKED_AT // 10
     return f"It is farthest outside {_gone(trajectory, at)}, by {1e3 * most:.3g} mm."
 
 

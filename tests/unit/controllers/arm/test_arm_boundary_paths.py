@@ -99,8 +99,21 @@ def test_a_spline_that_leaves_the_workspace_is_refused_with_where_it_is_farthest
     )
     gone = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(spline, axis=0), axis=1))))
     assert np.interp(float(said[1]), gone, beyond) > -1e-8
-    assert 1e-3 * float(said[3]) == pytest.approx(beyond.max(), rel=0.01)
+    assert 1e-3 * float(said[3]) == pytest.approx(beyond.max(), rel=5e-3)
     assert np.interp(float(said[2]), gone, beyond) == pytest.approx(beyond.max(), rel=0.01)
+
+
+def test_how_far_a_narrow_bulge_leads_outside_is_found_between_the_places_looked_at():
+    """Of 500 places along the path none is near its top: 12 percent were missing."""
+    ahead = np.linspace(-0.5, 0.5, 21)
+    points = [place(REACH - 0.1, x, 0.3) for x in ahead]
+    points.insert(11, place(REACH + 5e-5, 0.021, 0.3))
+    spline = spline_of(np.array(points))
+    beyond = np.linalg.norm(spline - TOOL, axis=1) - REACH
+    with pytest.raises(InfeasibleMotion, match="farthest outside") as refused:
+        plan(points)
+    said = re.search(r"farthest outside after \S+ m of \S+ m, by (\S+) mm", str(refused.value))
+    assert 1e-3 * float(said[1]) == pytest.approx(beyond.max(), rel=5e-3)
 
 
 def test_a_line_through_the_void_round_the_axis_of_q1_is_refused_at_once():
