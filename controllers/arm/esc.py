@@ -20,6 +20,7 @@ from controllers.arm.motions import (
     unknown_path,
 )
 from controllers.arm.online.follower import OnDirection, TwistFollower
+from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.ramps import from_rest
 from controllers.arm.region import (
@@ -51,8 +52,9 @@ _WIDEST = 0.3
 """Half width of the wrist's region, sine of q5: farther away nothing is singular."""
 _STALLED = 1e-6
 """Share of its speed below which the hand does not get away from a singularity."""
-_FINE = 0.125
-"""Share of a period at which a motion is sampled that is given ramps."""
+_FINEST, _SMOOTH = 8, 2.5e-4
+"""Samples in a period of a motion that is given ramps, at most; and the way of a joint from one to
+the next, rad, with which there are enough."""
 _RADIAL = 1.0 - 1e-9
 """Cosine to the arm from which on a line is radial."""
 
@@ -288,13 +290,26 @@ class Esc(ArmLaw[EscSettings]):
         """Yield a sample per period."""
         if not self.settings.from_rest:
             return self._at_speed(trajectory, end)
-        fine = _FINE * self.period
-        at_speed = Esc(replace(self.settings, from_rest=False), self.geometry, fine)
-        at_speed.longest = self.longest
-        motion = collected(at_speed.move(trajectory, end), fine, self.longest)
+        motion, fine = self._sampled(trajectory, end)
         limits = self.geometry.acceleration_limits
         path, timing = from_rest(motion, fine, self.period, end, limits)
         return follow_axis_path(trajectory, path, timing, self.period, end)
+
+    def _sampled(self, trajectory: Trajectory, end: MotionEnd) -> tuple[list[Sample], float]:
+        """Return the motion at its speed, and how far apart its samples are, s.
+
+        A slow one has as many as it needs: eight in a period are twenty seconds' work.
+        """
+        settings, count = replace(self.settings, from_rest=False), 1
+        while True:
+            fine = self.period / count
+            at_speed = Esc(settings, self.geometry, fine)
+            at_speed.longest = self.longest
+            motion = collected(at_speed.move(trajectory, end), fine, self.longest)
+            longest = fine * max(abs(v) for sample in motion for v in sample.velocities)
+            if count == _FINEST or longest <= _SMOOTH:
+                return motion, fine
+            count = min(_FINEST, count * math.ceil(longest / _SMOOTH))
 
     def _at_speed(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield the motion that is at its speed from the first instant to the last."""

@@ -38,6 +38,23 @@ def combined(q: Joints, k1: Joints, k2: Joints, k3: Joints, k4: Joints, h: float
     )
 
 
+def between(
+    q: Joints, rates: Joints, after: Joints, rates_after: Joints, step: float, share: float
+) -> Joints:
+    """Return the joints (rad) at a share of a step (s) with what is known of both its ends.
+
+    The cubic of Hermite: it misses a fourth derivative times ``step^4 / 384``.
+    """
+    rest = 1.0 - share
+    first, last = rest * rest * (1.0 + 2.0 * share), share * share * (1.0 + 2.0 * rest)
+    out, back = step * share * rest * rest, step * share * share * rest
+    q1, q2, q3, q4, q5, q6 = (
+        first * a + last * b + out * u - back * v
+        for a, b, u, v in zip(q, after, rates, rates_after, strict=True)
+    )
+    return q1, q2, q3, q4, q5, q6
+
+
 def bisect_period(
     rates: Rates, t: float, q: Joints, period: float, holds: Callable[[float, Joints], bool]
 ) -> tuple[float, float]:

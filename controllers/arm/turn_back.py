@@ -7,7 +7,7 @@ from typing import NamedTuple
 from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
 from controllers.arm.dwell import QuinticDwell, RampDwell, integral_exact
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import ROUNDS, advance_joints, moved
+from controllers.arm.integration import LONGEST_STEP, ROUNDS, advance_joints, between, moved
 from controllers.arm.kinematics import Dimensions, singularity_indices, wrist_centre
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample, inside_boundary
@@ -30,6 +30,9 @@ _SLOWEST = 1e-6
 _ROUNDED = 0.995
 """Share of two speeds that are said in four digits each: a line that is given by where it touches
 starts elsewhere if their ratio is another."""
+_SMOOTH = 1e-3
+"""Way of a joint in one step of integration within which samples may be interpolated, rad: the
+joints then are right to a nanoradian."""
 _AT_REST = 1e-6
 """rad/s."""
 
@@ -299,14 +302,35 @@ def dwelling(
     check_length(finish, law.longest)
     q, t = trajectory.start, 0.0
     command = Twist(linear, still)
-    while t < finish:
+    borders = (enter, leave, finish)
+
+    def sample(t: float, q: Joints) -> Sample:
         scale = scale_at(t, q)
-        now = joint_rates(arm, q, linear, still, scale)
-        yield Sample(q, now, scale.linear, 1.0, command)
-        q, t = moved(now, q, t, min(t + period, finish)), t + period
+        return Sample(q, joint_rates(arm, q, linear, still, scale), scale.linear, 1.0, command)
+
+    while t < finish:
+        now = sample(t, q)
+        yield now
+        stride = _stride(now.velocities, period)
+        if stride == 1 or any(t < border <= t + stride * period for border in borders):
+            q, t = moved(now.velocities, q, t, min(t + period, finish)), t + period
+            continue
+        # So slow that one step of the method spans several periods.
+        whole = stride * period
+        after = advance_joints(rates, t, q, whole, now.velocities)
+        ends = (q, now.velocities, after, rates(t + whole, after))
+        for k in range(1, stride):
+            yield sample(t + k * period, between(*ends, whole, k / stride))
+        q, t = after, t + whole
     yield Sample(q, AT_REST, 0.0, 0.0, command)
     end.duration = finish
     end.marks = {"region": (enter, leave)}
+
+
+def _stride(rates: Joints, period: float) -> int:
+    """Return over how many periods (s) one step goes from joints at these rates, rad/s."""
+    longest = min(LONGEST_STEP, _SMOOTH / max(*map(abs, rates), 1e-9))
+    return max(1, math.floor(longest / period + 1e-9))
 
 
 def _dwell_instants(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from drawn_cases import draw_geometry, draw_offset_geometry, draw_path, faults_of
 
+from controllers.arm import esc, law
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
@@ -110,3 +111,22 @@ def test_a_plan_says_what_its_ends_ask():
     assert (made.end_accelerations <= geometry.acceleration_limits).all()
     alone = dataclasses.replace(made, velocities=np.array([AT_REST]))
     assert not alone.end_accelerations.any()
+
+
+@pytest.mark.parametrize(("speed", "samples"), [(0.01, 1), (0.6, 8)])
+def test_a_motion_is_sampled_before_its_ramps_as_finely_as_it_is_quick(monkeypatch, speed, samples):
+    """A slow dwell was sampled eight times in a period, which took twenty seconds."""
+    spans, dwell = [], 3.0 if speed > 0.1 else 12.0
+
+    def collected(motion, fine, longest):
+        spans.append(fine)
+        return law.collected(motion, fine, longest)
+
+    monkeypatch.setattr(esc, "collected", collected)
+    path = DwellLine(speed=speed, depth=0.1 if speed > 0.1 else 0.03, dwell=dwell)
+    limits = {"rate_limits": (20.0,) * 6, "acceleration_limits": (400.0,) * 6}
+    made = Esc(EscSettings(from_rest=True), ArmGeometry(**limits), 1e-3).prepare(path)
+    assert spans[-1] == pytest.approx(1e-3 / samples)
+    entered, left = made.marks["region"]
+    assert left - entered == pytest.approx(dwell, abs=1e-9)
+    assert np.linalg.norm(made.hand - made.path, axis=1).max() < 1e-9
