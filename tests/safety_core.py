@@ -80,6 +80,8 @@ SAFETY_CORE = {
         "mechanisms/test_joint_wire_offsets.py",
     ),
     "rig/mechanisms/joint/alarms/runs.py": ("mechanisms/test_joint_rod_runs.py",),
+    "rig/mechanisms/joint/alarms/unpushed.py": ("mechanisms/test_joint_unpushed.py",),
+    "rig/mechanisms/joint/following.py": ("mechanisms/test_joint_following.py",),
     "rig/mechanisms/joint/alarms/camera.py": ("mechanisms/test_joint_camera_alarm.py",),
     "rig/mechanisms/servo/wiring.py": ("mechanisms/test_servo_wiring.py",),
     "rig/mechanisms/servo/axes.py": (

@@ -283,7 +283,9 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
         residual = math.sqrt(0.5 * (a * a + b * b + c * c + d * d))
         self.marker = marker = self._marker.take(t, seen, residual, camera)
         self._camera.update(marker)
-        self.estimate = new_tuple(JointEstimate, (marker[0], marker[1], residual, wanted, hold))
+        self.estimate = new_tuple(
+            JointEstimate, (marker[0], marker[1], residual, wanted, hold, push)
+        )
         if push is not None:
             self._pushed = True
             return JointCommand(*steps.pushed(hold, *push))

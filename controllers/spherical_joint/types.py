@@ -120,6 +120,8 @@ class JointEstimate(NamedTuple):
         and what the camera corrected.
     tensions : tuple of float
         Tensions that hold the reference without friction, N.
+    push : tuple of float, optional
+        With what it pushes the two pairs, N, and leads the ring nowhere; None: it leads it.
     """
 
     marker: Vector
@@ -127,6 +129,7 @@ class JointEstimate(NamedTuple):
     residual: float
     rods: Quadruple
     tensions: Quadruple
+    push: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

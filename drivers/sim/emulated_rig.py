@@ -174,7 +174,14 @@ class EmulatedRig:
                 )
         return None
 
-    def disturb(self, bus: str, kind: str, can_id: int, value: float) -> Callable[[], None]:
+    def disturb(
+        self,
+        bus: str,
+        kind: str,
+        can_id: int,
+        value: float,
+        changed: Callable[[], None] | None = None,
+    ) -> Callable[[], None]:
         """Have something happen to every frame of an identifier; see `BreakableWorld`.
 
         Raises
@@ -183,7 +190,7 @@ class EmulatedRig:
             There is no such kind.
         """
         faults = self._faults_of(bus)
-        fault = FrameFault(kind_of(kind), can_id, count=LASTING, value=value)
+        fault = FrameFault(kind_of(kind), can_id, count=LASTING, value=value, changed=changed)
         faults.add(fault)
         return partial(faults.remove, fault)
 

@@ -1,5 +1,6 @@
 """What may happen to chosen frames on an emulated bus, either way."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
@@ -48,6 +49,8 @@ class FrameFault:
         How many frames pass first.
     value : float
         What the kind says.
+    changed : callable, optional
+        Called for each frame that says something else than the one before it.
     """
 
     kind: Kind
@@ -55,6 +58,7 @@ class FrameFault:
     count: int = 1
     after: int = 0
     value: float = 0.0
+    changed: Callable[[], None] | None = None
 
 
 class Arrival(NamedTuple):
@@ -81,6 +85,7 @@ class FrameFaults:
     def __init__(self) -> None:
         self.by_id: dict[int, list[tuple[FrameFault, list[int]]]] = {}
         """Each fault with the number of frames seen so far; empty: all frames pass."""
+        self._last: dict[int, bytes] = {}
 
     def add(self, fault: FrameFault) -> None:
         """Have it happen to the next frames; several on one id act one after the other."""
@@ -91,6 +96,8 @@ class FrameFaults:
         left = [entry for entry in self.by_id.pop(fault.can_id, ()) if entry[0] is not fault]
         if left:
             self.by_id[fault.can_id] = left
+        else:
+            self._last.pop(fault.can_id, None)
 
     def clear(self) -> None:
         """Let all frames pass again."""
@@ -120,8 +127,12 @@ class FrameFaults:
         if can_id not in self.by_id:
             return [Arrival(0.0, data)]
         frames = [Arrival(0.0, data)]
+        is_new = data != self._last.get(can_id, data)
+        self._last[can_id] = data
         for fault, seen in self.by_id[can_id]:
             seen[0] += 1
+            if is_new and fault.changed is not None:
+                fault.changed()
             if fault.after < seen[0] <= fault.after + fault.count:
                 odd = bool(seen[0] % 2)
                 frames = [item for frame in frames for item in _happen(fault, frame, odd)]

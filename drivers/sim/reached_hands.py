@@ -95,7 +95,14 @@ class ReachedWorld(BreakableWorld):
     def frames_of(self, device: str) -> Frames | None:
         """Return None: hands see no frames."""
 
-    def disturb(self, bus: str, kind: str, can_id: int, value: float) -> NoReturn:
+    def disturb(
+        self,
+        bus: str,
+        kind: str,
+        can_id: int,
+        value: float,
+        changed: Callable[[], None] | None = None,
+    ) -> NoReturn:
         """Refuse: hands reach no frames.
 
         Raises

@@ -60,8 +60,9 @@ def _disturb(way: Way, kind: str, stage: Stage, place: Place, sizes: Sizes) -> C
     else:
         frames = world.frames_of(place.target)
         assert frames is not None
+        changed = stage.changed if way == "to" else None
         ends = [
-            world.disturb(frames.bus, kind, can_id, sizes.magnitude or 0.0)
+            world.disturb(frames.bus, kind, can_id, sizes.magnitude or 0.0, changed)
             for can_id in _ids(frames, way)
         ]
     return partial(_end_all, ends)

@@ -98,7 +98,7 @@ class Plight(NamedTuple):
     truth : mapping
         What is true of the plant, by its columns.
     left : float
-        For how long the program is still there, s.
+        For how long the program's loop is still there, s; negative where it is not.
     moved : float
         How far the axis moves in that time, rad.
     limp : bool
@@ -161,7 +161,7 @@ class FaultKind:
     stalls : bool
         Whether the program sees nothing for as long as its size says.
     in_setpoints : bool
-        Whether setpoints show it: not those of drives that are being enabled, which rest.
+        Whether setpoints show it: not those of drives that rest.
     is_rehearsable : bool
         Whether it may happen in a rehearsal, which touches no bus and no device.
     """

@@ -7,6 +7,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ import numpy as np
 from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
+from rig.faults.felt import Felt
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
@@ -95,9 +97,9 @@ class Performance(Watcher):
         self._program = Program(dies)
         self._broke_at: float | None = None
         self._seen_at: float | None = None
+        self._controlled_until = inf
         self._running_from: float | None = None
-        self._felt_at: list[float | None] = []
-        self._made_at: list[float] = []
+        self._felt = Felt(subject)
         self._said: list[str] = []
         self._stage: Stage
         self._rehearsal: RehearsalStage | None = None
@@ -159,8 +161,12 @@ class Performance(Watcher):
         elif state is RigState.STOPPING and self._case is not None:
             if self._case.moment is Moment.RELEASE:
                 self._stage.cue(now + self._case.after, self._break_first)
-        elif state is RigState.FAULT and self._seen_at is None:
-            self._seen_at = now if t is None or start is None else start + t
+        elif state in (RigState.IDLE, RigState.FAULT):
+            at = now if t is None or start is None else start + t
+            if start is not None:
+                self._controlled_until = min(self._controlled_until, at)
+            if state is RigState.FAULT and self._seen_at is None:
+                self._seen_at = at
 
     # What happens ------------------------------------------------------------------------
 
@@ -203,14 +209,9 @@ class Performance(Watcher):
 
     def _feel(self) -> None:
         """Count the time of what spoils the law from the first command that is spoilt."""
-        if self._case is None:
-            return
         now = self._stage.world.time
-        for k, item in enumerate(self._case.breaks[: len(self._felt_at)]):
-            if self._felt_at[k] is None and item.row.spoils_law:
-                self._felt_at[k] = now
-                if k == 0:
-                    self._broke_at = now
+        if self._felt.spoil(now):
+            self._broke_at = now
 
     def _break_second(self) -> None:
         if self._case is not None and self._case.then is not None:
@@ -218,8 +219,9 @@ class Performance(Watcher):
 
     def _make(self, item: Break) -> None:
         stage = self._stage
-        self._made_at.append(stage.world.time)
-        self._felt_at.append(None if item.row.spoils_law else stage.world.time)
+        number = len(self._felt)
+        self._felt.make(item, stage.world.time)
+        stage.changed = lambda: self._felt.change(number, stage.world.time)
         self._note(item)
         try:
             end = item.row.apply(stage, item.place(self.subject), item.sizes)
@@ -272,9 +274,9 @@ class Performance(Watcher):
         times, rows = (np.array(values) for values in self._stage.truth)
         plight = partial(
             plight_of, subject=self.subject, columns=self._columns, truth=self._stage.truth,
-            ended_at=ended_at,
+            ended_at=ended_at, controlled_until=self._controlled_until,
         )  # fmt: skip
-        made_at = [*self._made_at, *[None] * len(self._case.breaks)]  # a second may never come
+        made_at = [*self._felt.made_at, *[None] * len(self._case.breaks)]  # a second may not come
         forgiven = {
             name
             for item, at in zip(self._case.breaks, made_at, strict=False)
@@ -288,12 +290,9 @@ class Performance(Watcher):
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
         seen_at = None if rehearsed else self._seen_at
-        felt_at = tuple(self._felt_at)
-        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, felt_at)
+        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, self._felt.times)
         verdict = give_verdict(self._case, ending, self.subject)
-        if len(self._felt_at) < len(
-            self._case.breaks
-        ):  # what did not happen was not ridden through
+        if len(self._felt) < len(self._case.breaks):  # what did not happen was not ridden through
             verdict = verdict.missed()
         if self._refused:
             verdict = verdict.broken(self._refused)
@@ -319,6 +318,7 @@ def plight_of(
     truth: Truth,
     broke_at: float | None,
     ended_at: float,
+    controlled_until: float = inf,
 ) -> Plight:
     """Return how the rig was when its faults began, which may be after the program's end.
 
@@ -336,6 +336,8 @@ def plight_of(
         When it did, s; None if it did not.
     ended_at : float
         When the program ended or died, s.
+    controlled_until : float
+        When its loop did, s: what breaks afterwards, no cycle sees.
     """
     at = ended_at if broke_at is None else broke_at
     first, last = (max(bisect_right(truth.times, t) - 1, 0) for t in (at, max(at, ended_at)))
@@ -350,7 +352,8 @@ def plight_of(
     power = [columns.index(f"powered_{a}") for a in place.names[:1] if f"powered_{a}" in columns]
     limp = any(row[column] == 0.0 for row in truth.rows[first:] for column in power)
     values = dict(zip(columns, truth.rows[first], strict=True))
-    return Plight(subject, place, item.sizes, values, ended_at - at, moved, limp)
+    left = min(ended_at, controlled_until) - at
+    return Plight(subject, place, item.sizes, values, left, moved, limp)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:

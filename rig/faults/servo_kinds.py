@@ -2,7 +2,13 @@
 
 from functools import partial
 
-from rig.faults.excuses import drops_a_leg, falls, lets_fall_far, lets_fall_unseen
+from rig.faults.excuses import (
+    drops_a_leg,
+    falls,
+    lets_fall,
+    lets_fall_far,
+    lets_fall_unseen,
+)
 from rig.faults.kind import Magnitudes, either, ride, safe
 from rig.faults.world_kinds import MOMENT, of_device, of_plant, outlasts_readings, row_of, whole
 
@@ -23,12 +29,13 @@ KINDS = (
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
+               excuses=lets_fall,
                why="slower than 0.04 rad/s, or in motion, the motor's velocity does not show it"),
     of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
-               1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
+               1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"), excuses=lets_fall,
                why="the loop follows it: nothing in the drive says where the joint is"),
     of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
-               fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"),
+               fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"), excuses=lets_fall,
                why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
     of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1,
                excuses=drops_a_leg),

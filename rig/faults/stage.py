@@ -69,6 +69,8 @@ class Stage:
         self.program = program
         self.world = clock.world
         self.truth = Truth([], [])
+        self.changed: Callable[[], None] | None = None
+        """Called when setpoints that a fault of theirs has befallen say something else."""
         self._cues: list[Cue] = []
         self._before: list[Cue] = []
         self._next_look = 0.0

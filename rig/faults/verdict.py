@@ -35,8 +35,7 @@ class CaseEnding:
     violations : tuple of Violation
         Hazards that became true.
     felt_at : tuple of (float or None)
-        When each fault that happened could first be seen, s: at once, but what spoils the law only
-        when the law is followed; None if it never was.
+        When each fault that happened could first be seen, s; None if it never could. See `Felt`.
     """
 
     code: int | None
@@ -163,14 +162,14 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
 def what_must_come(case: Case, subject: Subject, felt_at: Sequence[float | None] = ()) -> Must:
     """Return what must come of a case's first fault in its phase; a second one excuses none.
 
-    A law that was spoilt and that nobody followed any more (drives brake by themselves) need not
-    be seen: its fault was felt at None.
+    What was never felt need not be seen: a law that was spoilt and that nobody followed any more
+    (drives brake by themselves), setpoints that were lost while all of them stood.
     """
     # Drives that are being enabled are told where they stand, again and again.
     rests = case.moment is Moment.ENERGISE and not subject.has_pressure
     musts = [
         Must.EITHER
-        if (rests and item.row.in_setpoints) or (item.row.spoils_law and felt is None)
+        if felt is None or (rests and item.row.in_setpoints)
         else item.row.must(item.sizes, subject)
         for item, felt in zip(case.breaks, (*felt_at, *_FELT), strict=False)
     ]

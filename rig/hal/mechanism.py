@@ -317,6 +317,16 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         """
         return self.resting_command(state)
 
+    def releasing_time(self, balanced: Command) -> float:
+        """Return the least time in which an orderly stop may release the rig, s.
+
+        Parameters
+        ----------
+        balanced : object
+            The command from which it is released.
+        """
+        return self.stopping_time
+
     @abstractmethod
     def released_command(self) -> Command:
         """Return the command of the released rig, to which a stop leads."""

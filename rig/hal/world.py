@@ -64,7 +64,14 @@ class BreakableWorld(Protocol):
         """Return the identifiers of a device's frames now; None if it has no CAN frames."""
 
     @abstractmethod
-    def disturb(self, bus: str, kind: str, can_id: int, value: float) -> Callable[[], None]:
+    def disturb(
+        self,
+        bus: str,
+        kind: str,
+        can_id: int,
+        value: float,
+        changed: Callable[[], None] | None = None,
+    ) -> Callable[[], None]:
         """Have something happen to every frame of an identifier, until what is returned is called.
 
         Parameters
@@ -77,4 +84,6 @@ class BreakableWorld(Protocol):
             Of the frames, in whichever direction they go.
         value : float
             What the kind takes: a delay in s, bytes that are left, a byte's place.
+        changed : callable, optional
+            Called for each such frame that says something else than the one before it.
         """

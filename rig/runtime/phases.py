@@ -213,8 +213,8 @@ class Phases(Generic[State, Reference, Command]):
             # From what the rig has, not from the last command, which may lead it by far.
             self._stopped_from = mechanism.balanced_command(state)
         duration = self._timings.release
-        if duration > 0.0:  # what brakes by itself must have come to rest when it is over
-            duration = max(duration, mechanism.stopping_time)
+        if duration > 0.0:
+            duration = max(duration, mechanism.releasing_time(self._stopped_from))
         share = min((t - self._stop_at) / duration, 1.0) if duration > 0.0 else 1.0
         if share >= 1.0:
             self.finished = True

@@ -145,7 +145,8 @@ class PairWatch:
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
             if cause is None and isinstance(error, Strayed):
-                cause = self._balance.explain_off(error.value)
+                explain = self._balance.explain_gone if error.ran else self._balance.explain_off
+                cause = explain(error.value, 0)
             if cause is None and isinstance(error, Shifted):
                 cause = self._explain_shift()
         elif isinstance(error, PressureOff):
@@ -211,7 +212,9 @@ class PairWatch:
         if cause is not None:
             return cause
         slack = "" if change > 0.0 else "a wire is slack, or "
-        return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale"
+        pulled = min(self._history[-1].pulls) >= self._taut * self._area
+        pushed = "" if pulled else "; or the carriage was pushed while its wires were slack"
+        return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale{pushed}"
 
     def _explain_still(self) -> str | None:
         """Return which encoder has said the same while the other one moved, or why its rod did."""

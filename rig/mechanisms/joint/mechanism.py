@@ -36,12 +36,12 @@ from rig.hal.picking import DevicePicker
 from rig.hal.quantities import Expected, Margin
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
+from rig.mechanisms.joint.following import RodsFollow
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
-from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -114,8 +114,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._tensions: Quadruple = (0.0,) * 4
         self._rods: Quadruple = (0.0,) * 4
         self._now = 0.0
-        rods = [f"the rod of {name}" for name in CHANNELS]
-        self._tracking = TrackingWatch(rods, settings.limits.following, settings.alarms.oscillation)
+        self._follow = RodsFollow(self.settings)
 
     @classmethod
     def expected_of(cls, settings: JointSettings) -> tuple[Expected, ...]:
@@ -266,7 +265,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
     def explain(self, error: Exception, state: JointState) -> Exception:
         """Return a fault with the cause that the rest of the rig shows; see `Mechanism`."""
         found = self._watch.explain(error, state)
-        if isinstance(error, LimitExceeded) and (swing := self._tracking.suspicion(self._now)):
+        if isinstance(error, LimitExceeded) and (swing := self._follow.suspicion(self._now)):
             return SafetyError(f"{swing} ({error})" if found is error else f"{swing}; or {found}")
         return found
 
@@ -317,21 +316,18 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Start the rate limit from the measured pressures."""
         self._limiter.reset(state.pressures)
         self._watch.restart()
-        self._tracking.restart()
+        self._follow.restart()
         self._stood: Quadruple = state.rods
 
     def check_still(self, home: JointReference) -> None:
         """See `Mechanism.check_still`; the rods were where they stood, whatever they show of it."""
-        self._tracking.check_still(self._stood, self._rods, self.settings.sway)
+        self._follow.check_still(self._stood, self._rods)
 
     def check_command(self, reference: JointReference, command: JointCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
-        if self.controller is None or reference.push is not None:
-            self._tracking.restart()  # nothing is controlled
-        else:
-            wanted = self.controller.estimate.rods
-            self._tracking.check(wanted, self._rods, self._now, self._watch.explain_held)
+        estimate = None if self.controller is None else self.controller.estimate
+        self._follow.check(estimate, self._rods, self._now, self._watch.explain_held)
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""
@@ -358,7 +354,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         learning = None if controller is None else controller.learning
         learns = 0.0 if learning is None or not learning.active else 1.0 + learning.finished
         t, rods, pressures, camera = state
-        marker, encoder_marker, residual, wanted, _ = estimate
+        marker, encoder_marker, residual, wanted, *_ = estimate
         axis, lap = reference.axis, reference.lap
         return (
             *rods,

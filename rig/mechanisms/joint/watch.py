@@ -16,6 +16,7 @@ from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
 from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 _SPEED_WINDOW = 0.01
@@ -149,6 +150,8 @@ class JointWatch:
         if isinstance(error, PressureOff):
             cause = explain_scatter(self._encoders, self._balance.rods)
             return error if cause is None else SafetyError(f"{cause} ({error})")
+        if isinstance(error, Strayed):
+            return self._explain_strayed(error, state)
         k = self._running_rod(error, state.rods)
         if k is None:
             return error
@@ -159,6 +162,18 @@ class JointWatch:
         cause = cause or self._pressures.suspicion()
         if cause is None and isinstance(error, DeviceFault) and self._wires.agree(rods):
             cause = "the ring was pushed or struck: all rods move with it"
+        return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def _explain_strayed(self, error: Strayed, state: JointState) -> Exception:
+        """Return why a rod is not where it should be."""
+        rods = self._unstretched(state)
+        cause = self._wires.explain_run(rods, state.pressures, error.rod) if error.ran else None
+        cause = cause or self._balance.explain() or self._pressures.suspicion()
+        if cause is None:
+            number = next(k for k, pair in enumerate(PAIRS) if error.rod in pair)
+            off = error.value if error.rod == PAIRS[number][0] else -error.value
+            explain = self._balance.explain_gone if error.ran else self._balance.explain_off
+            cause = explain(off, number)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def explain_held(self) -> str | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import ClassVar, TypeVar
+from typing import ClassVar, TypeVar, cast
 
 from rig.hal import (
     DeviceFault,
@@ -27,6 +27,10 @@ _EMPTIES = 6.0
 _GUESSED = 0.33
 """Spread of a regulator's bandwidth that nobody has measured: the least factor of `UNKNOWNS`, 0.67.
 E: it falls with the chamber's volume, which no catalogue knows."""
+_LEFT_TO_SEALS = 0.5
+"""Share of the seals' friction that chambers may differ by while they are vented together."""
+_SLOWEST_RELEASE = 3.0
+"""Longer than this nobody waits for a rig that was told to stop, s."""
 
 Chosen = TypeVar("Chosen", bound=PneumaticSettings)
 
@@ -119,6 +123,19 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def unfit(cls, settings: Chosen) -> str | None:
         """Say that the declared mechanical stop does not bear a cut wire; see `Mechanism.unfit`."""
         return refuse_weak_stop(settings, len(cls.channels), settings.greatest_pressure)
+
+    def releasing_time(self, balanced: Command) -> float:
+        """Return how long chambers take to be vented together, s; see `Mechanism.releasing_time`.
+
+        No two regulators are equally quick. Their lag behind the setpoints is what their chambers
+        may differ by: half of it is left to the friction that holds a pair where it is.
+        """
+        settings = self.settings
+        response = settings.regulator_response
+        lag = response.dead_time + 2.0 * response.damping / response.bandwidth
+        held = _LEFT_TO_SEALS * settings.friction.coulomb / settings.area
+        fullest = max(cast("Sequence[float]", balanced))
+        return min(lag * fullest / held, _SLOWEST_RELEASE) if held else _SLOWEST_RELEASE
 
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""

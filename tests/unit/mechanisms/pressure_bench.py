@@ -15,8 +15,20 @@ NEVER = 1e12
 LOOP = 2.5e3
 CALM = {"deviation": NEVER, "slow": NEVER, "offset": 12e3}
 """The mean alone."""
-ATTENTIVE = {"deviation": DEVIATION, "time": TIME, "offset": NEVER, "slow": NEVER, "loop": LOOP}
+ATTENTIVE = {
+    "deviation": DEVIATION,
+    "time": TIME,
+    "offset": NEVER,
+    "slow": NEVER,
+    "loop": LOOP,
+}
 """The deviation and its time alone."""
+
+
+def pressure_bounds(**alarm):
+    """Return attentive bounds with others put in; a setpoint that stands is given as much time."""
+    said = ATTENTIVE | alarm
+    return PressureBounds(**({"unasked": said["time"]} | said))
 
 
 class Bench:
@@ -24,7 +36,7 @@ class Bench:
 
     def __init__(self, response=None, starts=(START,) * 4, **alarm):
         self.watch = PressureWatch(
-            PressureBounds(**(ATTENTIVE | alarm)),
+            pressure_bounds(**alarm),
             response or RegulatorModel(dead_time=0.0),
             CHANNELS,
             "valves",

@@ -367,6 +367,12 @@ def test_a_pair_that_strays_from_its_reference_is_told_with_the_chamber_that_sho
     assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube")
     assert said.endswith(f"N pull it back ({error})")
     assert pulled(32, -apart).watch.explain(error) is error
+    gone = Strayed("following error that its own motion brought about", off, -6e-3, 6e-3, "m")
+    gone.ran = True  # whatever its pressures say: nothing that lags behind goes away
+    for pull in (-apart, 0.0):
+        said = str(pulled(32, pull).watch.explain(gone))
+        assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube")
+        assert said.endswith(f"or the carriage is pushed or held ({gone})")
     other = LimitExceeded("position of the pair", off, -3e-3, 3e-3, "m")
     assert pulled(32, apart).watch.explain(other) is other
 

@@ -251,3 +251,32 @@ def test_what_was_logged_is_recalled_as_it_was(seed):
     assert recalled == state
     again.pair.check(recalled, 7.0)
     assert again.pair.row(recalled, STILL, EASY, EASY) == row
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_chambers_are_vented_no_faster_than_seals_hold_what_regulators_differ_by(seed):
+    """By an integration of our own, of a regulator as the profile has it beside its setpoint."""
+    drawn = random.Random(seed)
+    base = pair_settings()
+    friction = replace(base.friction, coulomb=drawn.uniform(4.0, 12.5))
+    response = replace(base.regulator_response, bandwidth=drawn.uniform(20.0, 60.0), damping=1.0)
+    settings = replace(base, friction=friction, regulator_response=response)
+    bench = PairBench(settings)
+    start = drawn.uniform(100e3, 0.9 * HIGHEST)
+    time = bench.pair.releasing_time(PairCommand(0.5 * start, start))
+    assert bench.pair.releasing_time(PairCommand(start, 0.5 * start)) == time
+    rate, held = start / time, friction.coulomb / settings.area
+    pressure, slope, step = start, 0.0, 1e-4
+    for k in range(round(time / step)):
+        acting = start - rate * max(k * step - response.dead_time, 0.0)
+        pull = response.bandwidth**2 * (acting - pressure) - 2.0 * response.bandwidth * slope
+        slope += step * pull
+        pressure += step * slope
+        assert pressure - (start - rate * k * step) < 0.51 * held
+
+
+def test_nobody_waits_for_a_release_for_long():
+    base = pair_settings()
+    for coulomb in (1e-3, 0.0):
+        settings = replace(base, friction=replace(base.friction, coulomb=coulomb))
+        assert PairBench(settings).pair.releasing_time(EASY) == 3.0

@@ -3,7 +3,18 @@
 import math
 
 import pytest
-from pneumatic_fakes import AGE, HOME, MISMATCH, PERIOD, REACH, SPEED, TINY, PairBench
+from pneumatic_fakes import (
+    AGE,
+    BASE,
+    HOME,
+    MISMATCH,
+    PERIOD,
+    REACH,
+    SPEED,
+    TINY,
+    PairBench,
+    pair_settings,
+)  # fmt: skip
 
 from rig.hal import DeviceFault, EmergencyStop, LimitExceeded, SafetyError, StaleReading
 
@@ -135,6 +146,20 @@ def test_the_rods_may_disagree_by_the_limit_and_not_by_more(sign):
         MISMATCH,
         "m",
     )
+
+
+def test_while_no_chamber_pulls_the_carriage_may_have_been_pushed():
+    """Below half of the breakaway force at the pistons a wire may be slack."""
+    taut = 0.5 * pair_settings().friction.breakaway / pair_settings().area
+    for one, pushed in ((BASE, False), (taut, False), (taut - 1.0, True), (0.0, True)):
+        bench = PairBench()
+        bench.regulators.reads = (one, one)
+        bench.cycle(0.0)
+        bench.place(MISMATCH + TINY, MISMATCH + TINY)
+        with pytest.raises(LimitExceeded) as caught:
+            bench.cycle(PERIOD)
+        words = "; or the carriage was pushed while its wires were slack)"
+        assert caught.value.quantity.endswith(words) is pushed, one
 
 
 @pytest.mark.parametrize("frozen", ["agonist", "antagonist"])

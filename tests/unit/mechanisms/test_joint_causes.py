@@ -17,6 +17,7 @@ from pneumatic_fakes import BASE, PERIOD, SPEED
 
 from rig.hal import DeviceFault, LimitExceeded, SafetyError, StaleReading
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed
 
 TILTED = rods_at(0.3, 0.4)
 ERROR = LimitExceeded("speed of something", 1.0, -0.5, 0.5, "m/s")
@@ -211,3 +212,41 @@ def test_a_limit_that_is_exceeded_is_told_with_the_pull_that_no_monitor_shows():
     told = str(bench.joint._watch.explain(ERROR, state))
     assert "the chamber of ch2 leaks behind its tube" in told
     assert told.endswith(f"({ERROR})")
+
+
+def strayed(rod, off_by, ran):
+    """Return what is said of a rod that is off its reference, m, while the wires agree."""
+    error = Strayed("following error of a rod", off_by, -6e-3, 6e-3, "m")
+    error.rod, error.ran = rod, ran
+    return error, explain(error, TILTED, TILTED, TILTED)
+
+
+@pytest.mark.parametrize("rod", range(4))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_rod_that_has_run_off_by_itself_is_told_with_the_chamber_that_should_hold_it(rod, side):
+    error, found = strayed(rod, side * 7e-3, ran=True)
+    weak = CHANNELS[rod if side < 0.0 else (rod + 2) % 4]
+    assert str(found) == (
+        f"regulators: the chamber of {weak} leaks behind its tube, or its monitor is off, or the "
+        f"ring is pushed or held ({error})"
+    )
+    error, found = strayed(rod, side * 7e-3, ran=False)
+    assert found is error, "it only lags, and nothing pulls it back"
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_a_rod_that_has_run_off_may_have_lost_its_wire_and_one_that_lags_has_not(number):
+    ran = off(TILTED, number, 2e-3)
+    for gone in (True, False):
+        error = Strayed("following error of a rod", 7e-3, -6e-3, 6e-3, "m")
+        error.rod, error.ran = number - 1, gone
+        said = str(explain(error, TILTED, ran, ran))
+        assert said.startswith(f"the wire of ch{number} is slack or cut") is gone
+
+
+@pytest.mark.parametrize("ran", [True, False])
+def test_a_regulator_that_looks_wrong_is_why_a_rod_strays(ran):
+    error = Strayed("following error of a rod", 7e-3, -6e-3, 6e-3, "m")
+    error.ran = ran
+    found = str(explain(error, TILTED, TILTED, TILTED, pressure=BASE + 25e3))
+    assert found.startswith("regulators: the regulator of ch1 is stuck open")

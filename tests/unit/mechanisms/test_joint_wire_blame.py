@@ -46,7 +46,9 @@ def test_a_rod_that_stays_out_has_a_wire_that_is_caught(number):
     names = sorted((number, OPPOSITE[number]))  # near upright opposite ones look the same
     assert blame(TILTED, off(TILTED, number, -2e-3)) == (
         " or ".join(f"the wire of ch{k}" for k in names)
-        + " is caught, or its encoder is off, by 2.00 mm"
+        + " is caught, or "
+        + " or ".join(f"e{k}" for k in names)
+        + " is off, by 2.00 mm"
     )
 
 
@@ -55,7 +57,7 @@ def test_a_rod_that_stays_out_has_a_wire_that_is_caught(number):
 )
 def test_while_no_chamber_pulls_the_ring_may_have_been_pushed(fullest, pushed):
     said = blame(FAR, off(FAR, 4, -2e-3), pressures=(0.0, fullest, 0.0, 0.0), least_pull=55e3)
-    assert said.startswith("the wire of ch4 is caught, or its encoder is off, by 2.00 mm")
+    assert said.startswith("the wire of ch4 is caught, or e4 is off, by 2.00 mm")
     assert said.endswith(", or the ring was pushed while its wires were slack") is pushed
 
 

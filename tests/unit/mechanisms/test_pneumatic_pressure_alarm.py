@@ -5,10 +5,18 @@ import math
 import numpy as np
 import pytest
 from joint_fakes import CHANNELS
-from pressure_bench import ATTENTIVE, CALM, CYCLES, DEVIATION, NEVER, START, STEP, Bench
+from pressure_bench import (
+    CALM,
+    CYCLES,
+    DEVIATION,
+    NEVER,
+    START,
+    STEP,
+    Bench,
+    pressure_bounds,
+)  # fmt: skip
 
 from rig.hal import SafetyError
-from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
@@ -92,7 +100,7 @@ def test_a_suspicion_needs_half_of_the_deviation():
     assert said.endswith("[ch2: +20 kPa off a healthy regulator, at most 40 kPa]")
     bench.pass_by(1, ch2=10e3, ch3=-0.5 * DEVIATION - 1.0)
     assert "the regulator of ch3" in bench.watch.suspicion()
-    fresh = PressureWatch(PressureBounds(**ATTENTIVE), RegulatorModel(), CHANNELS, "valves")
+    fresh = PressureWatch(pressure_bounds(), RegulatorModel(), CHANNELS, "valves")
     assert fresh.suspicion() is None
 
 
@@ -168,7 +176,7 @@ def test_time_that_stands_still_or_goes_back_starts_anew():
 
 
 def test_nothing_is_expected_before_the_first_setpoints():
-    watch = PressureWatch(PressureBounds(**ATTENTIVE), RegulatorModel(), CHANNELS, "valves")
+    watch = PressureWatch(pressure_bounds(), RegulatorModel(), CHANNELS, "valves")
     for cycle in range(5 * CYCLES):
         watch.check((cycle * 50e3,) * 4, cycle * STEP)
 
@@ -364,3 +372,15 @@ def test_setpoints_from_before_a_pause_are_forgotten():
     bench.watch.send((START,) * 4)
     bench.pass_by(200)
     assert bench.watch._channels[0].expected == START
+
+
+@pytest.mark.parametrize("way", [-50e3, 50e3])
+def test_what_nobody_asked_to_move_has_less_time_than_what_was_asked(way):
+    """A pressure that falls by itself throws its pair before a step's time is over."""
+    still = Bench(unasked=3 * STEP)
+    still.pass_by(3, ch3=way)
+    with pytest.raises(SafetyError, match=f"ch3 .* at most 40 kPa for {3 * STEP:g} s"):
+        still.pass_by(1, ch3=way)
+    asked = Bench(unasked=3 * STEP)
+    asked.watch.send((START, START, START - way, START))
+    asked.pass_by(5, ch3=way)

@@ -275,6 +275,27 @@ def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monit
     assert stays(-against, off) is None  # nothing pulls it back
 
 
+def two_pairs():
+    """Return the balance of two pairs, of which the second is pulled by 45 N."""
+    return told(balance(), 300e3, 400e3, 300e3, 150e3)
+
+
+@pytest.mark.parametrize(("off", "weak"), [(5e-3, "ch4"), (-5e-3, "ch2")])
+def test_each_pair_is_asked_after_by_its_number(off, weak):
+    pulled = two_pairs()
+    assert pulled.explain_off(off, 0) is None
+    back = pulled.explain_off(off, 1)
+    assert (back is None) is (off > 0.0), "it is pulled to where it is off"
+    if back is not None:
+        assert f"the chamber of {weak} leaks" in back
+    assert pulled.explain_gone(off, 1) == (
+        f"regulators: the chamber of {weak} leaks behind its tube, or its monitor is off, or "
+        "the ring is pushed or held"
+    )
+    gone = pulled.explain_gone(off, 0)
+    assert f"the chamber of {'ch3' if off > 0.0 else 'ch1'} leaks" in gone
+
+
 def test_before_anything_was_seen_nothing_is_said_of_what_is_off():
     balance = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
     assert balance.explain_off(1e-3) is None

@@ -175,6 +175,38 @@ def test_a_step_is_given_its_time():
     assert run(lambda t: 5e-3, lambda t: -5e-3 if t < 0.31 else 0.0, 1.0) is not None
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_rod_that_runs_off_by_itself_is_given_no_time(seed):
+    drawn = np.random.default_rng(seed)
+    side = float(drawn.choice([-1.0, 1.0]))
+    speed, since = float(drawn.uniform(0.03, 0.4)), float(drawn.uniform(0.1, 0.5))
+    slope = float(drawn.uniform(-5e-3, 5e-3))  # of what is followed
+
+    def error(t):
+        return side * speed * max(t - since, 0.0)
+
+    t, fault = run(lambda t: slope * t, error, 2.0)
+    assert t == pytest.approx(since + 2.0 * FOLLOWING / speed, abs=2 * PERIOD)
+    assert isinstance(fault, LimitExceeded)
+    assert "following error of the pair that its own motion brought about" in str(fault)
+    assert "outside -6 … 6 mm" in str(fault)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.45])
+def test_a_rod_that_its_reference_leaves_behind_has_its_time(share):
+    """It may even go the other way, for less than what a rod may be off."""
+    for side in (-1.0, 1.0):
+        found = run(
+            lambda t, side=side: side * 20e-3 * t,
+            lambda t, side=side: -side * min((1.0 + share) * 20e-3 * t, 6.1e-3 + share * 6.1e-3),
+            1.0,
+        )
+        t, fault = found
+        assert t > ALARM.lost
+        assert "by itself" not in str(fault)
+        assert "for 0.3 s" in str(fault)
+
+
 def test_each_rod_is_watched_on_its_own_and_named():
     watched = watch(names=("the rod of ch1", "the rod of ch2"))
     with pytest.raises(SafetyError, match=r"the rod of ch2 oscillates at 8\.0 Hz"):
@@ -254,7 +286,7 @@ def test_one_swing_far_to_both_sides_is_enough_unless_it_dies_away():
         ([0.0, 4.0, -2.8, 0.0, 0.0], None),  # just the share that dies away
         ([0.0, -4.0, 2.8, 0.0, 0.0], None),
         ([0.0, 4.0, -2.9, 0.0, 0.0], 3),
-        ([1.0, 6.0, 1.0, 6.0, 1.0, 6.0], None),  # on one side
+        ([1.0, 3.9, 1.0, 3.9, 1.0, 3.9], None),  # on one side
     ):
         watched = watch(following=2.0, alarm=OscillationAlarm(**far))
         found = None

@@ -277,7 +277,8 @@ class WireWatch:
         off = offs[k][1]
         if off < 0.0:
             which = " or ".join(f"the wire of {self._channels[k]}" for k in suspects)
-            caught = f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
+            encoders = " or ".join(self._encoders[k] for k in suspects)
+            caught = f"{which} is caught, or {encoders} is off, by {-off * 1e3:.2f} mm"
             if max(pressures) < self._limits.least_pull:
                 return f"{caught}, or the ring was pushed while its wires were slack"
             return caught

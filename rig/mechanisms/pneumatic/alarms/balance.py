@@ -168,8 +168,8 @@ class PullBalance:
             "the pressures"
         )
 
-    def explain_off(self, off: float) -> str | None:
-        """Return why the first pair stays off its reference though its pressures pull it back.
+    def explain_off(self, off: float, pair: int = 0) -> str | None:
+        """Return why a pair stays off its reference though its pressures pull it back.
 
         None: they do not, or by less than its seals take.
 
@@ -177,20 +177,29 @@ class PullBalance:
         ----------
         off : float
             How far, m; positive where its agonist pulls to.
+        pair : int
+            Its number.
         """
-        late = _late(self._instants(self._pairs[0]))
+        late = _late(self._instants(self._pairs[pair]))
         if not late:
             return None
         pull = sum(instant.pull for instant in late) / len(late)
-        one, other = self._pairs[0]
-        weak, against = (other, -pull) if off > 0.0 else (one, pull)
+        against = -pull if off > 0.0 else pull
         if not against > self._friction.coulomb:
             return None
-        back = self._channels[weak]
+        return f"{self._blame(off, pair)}{_STUCK}: it stays off though {against:.0f} N pull it back"
+
+    def explain_gone(self, off: float, pair: int) -> str:
+        """Return why a pair has run off its reference by itself; parameters as `explain_off`."""
+        return self._blame(off, pair)
+
+    def _blame(self, off: float, pair: int) -> str:
+        """Return that the chamber that should pull a pair back has less air than it shows."""
+        one, other = self._pairs[pair]
+        weak = self._channels[other if off > 0.0 else one]
         return (
-            f"{self._device}: the chamber of {back} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held{_STUCK}: it stays off though {against:.0f} N pull "
-            "it back"
+            f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
+            f"or {self._moved} is pushed or held"
         )
 
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:

@@ -13,6 +13,9 @@ LOOP: Final = 0.005
 """Share of the range that is lost where the setpoint turns round: the width of the hysteresis."""
 _SETTLING: Final = 2.0
 """Time constants after which a pressure that was pushed away is back, for the most part."""
+_UNASKED: Final = 0.1
+"""Share of the permitted time for which a pressure may be off that nobody asked to move: one that
+falls throws its pair within tens of milliseconds."""
 _FINE: Final = 0.01
 """Steps of a response that is worked out, in time constants …"""
 _LONG: Final = 12.0
@@ -28,6 +31,8 @@ class PressureBounds(NamedTuple):
         Pa.
     time : float
         s.
+    unasked : float
+        s; stands for `time` where the setpoint has not moved.
     offset : float
         Pa.
     slow : float
@@ -38,6 +43,7 @@ class PressureBounds(NamedTuple):
 
     deviation: float
     time: float
+    unasked: float
     offset: float
     slow: float
     loop: float
@@ -69,9 +75,11 @@ def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> Pressure
     step = max(settings.greatest_pressure - base, base - low)
     slowest = response.spread / (1.0 - response.spread)
     late = 0.5 * response.dead_time * response.bandwidth / response.damping
+    time = _chosen(alarm.time, _SETTLING / response.bandwidth)
     return PressureBounds(
         _chosen(alarm.deviation, static + step * greatest_difference(response)),
-        _chosen(alarm.time, _SETTLING / response.bandwidth),
+        time,
+        _UNASKED * time,
         _chosen(alarm.offset, static),
         _chosen(alarm.slow, slowest + late),
         LOOP * settings.full_scale,
@@ -83,6 +91,7 @@ def expect_bounds(bounds: PressureBounds) -> tuple[Expected, ...]:
     return (
         Expected("alarm: a pressure off a healthy regulator by", bounds.deviation, "Pa"),
         Expected("alarm: and for longer than", bounds.time, "s"),
+        Expected("alarm: or, where its setpoint stands, than", bounds.unasked, "s"),
         Expected("alarm: the mean of a pressure at rest off by", bounds.offset, "Pa"),
         Expected("alarm: a regulator slower, in share of its time, by", bounds.slow, "1"),
         Expected("alarm: and off, where it turns round, by", bounds.loop, "Pa"),

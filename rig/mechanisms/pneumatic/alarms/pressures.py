@@ -204,7 +204,7 @@ class PressureWatch:
                 channel.held = pressure
             if -deviation <= off <= deviation:
                 channel.well_at = now
-            elif now - channel.well_at > bounds.time:
+            elif now - channel.well_at > self._patience(k):
                 long_off = True
             jump = max(channel.jump, abs(off - before))
             channel.jump = 0.0 if -most < off - channel.usual < most else jump
@@ -229,16 +229,23 @@ class PressureWatch:
         self._line.clear()
         self._ways.clear()
 
+    def _patience(self, k: int) -> float:
+        """Return for how long one may be off, s: less where its setpoint has not moved."""
+        bounds = self._bounds
+        moves = abs(self._setpoints[k] - self._channels[k].slow) > _ALIKE * bounds.deviation
+        return bounds.time if moves else bounds.unasked
+
     def _raise_off(self, now: float) -> None:
         bounds = self._bounds
-        k = min(range(len(self._channels)), key=lambda k: self._channels[k].well_at)
-        channel = self._channels[k]
+        channels = self._channels
+        k = max(range(len(channels)), key=lambda k: now - channels[k].well_at - self._patience(k))
+        channel = channels[k]
         raise PressureOff(
             f"{self._device}: {self._explain()} [{self._names[k]}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
-            f"{bounds.deviation * 1e-3:.0f} kPa for {bounds.time:g} s]"
+            f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):g} s]"
         )
 
     def _raise_strange(self) -> None:

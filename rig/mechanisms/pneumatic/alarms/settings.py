@@ -23,7 +23,8 @@ class PressureAlarm:
         step. A limit on the pressure's rate that is worth having makes it no smaller.
     time : float, optional
         For how long it may be exceeded, s. None: 2 / w, after which a regulator has made up for
-        most of what a piston or a lost frame has done.
+        most of what a piston or a lost frame has done. A tenth of it where the setpoint has not
+        moved.
     offset : float, optional
         Permitted distance of the mean over four time constants from what is usual, Pa, at rest;
         while the pressure moves, `slow` of what a regulator of half the bandwidth is off comes to

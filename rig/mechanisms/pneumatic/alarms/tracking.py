@@ -29,6 +29,12 @@ _STICKS = (
 class Strayed(LimitExceeded):
     """A distance from the reference that has lasted for too long; positive beyond it."""
 
+    rod: int = 0
+    """Number of the rod or pair."""
+
+    ran: bool = False
+    """Whether it has run there by itself, and has not lagged behind."""
+
 
 class Shifted(LimitExceeded):
     """A way while the chambers fill."""
@@ -134,6 +140,7 @@ class TrackingWatch:
         """Forget the past: nothing was controlled."""
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed_at: list[float | None] = [None] * len(self._names)
+        self._left_at = [0.0] * len(self._names)
         self._rests = [RodRests() for _ in self._names]
 
     def check(
@@ -160,7 +167,8 @@ class TrackingWatch:
         SafetyError
             It oscillates, or is held.
         Strayed
-            It has been too far off for too long.
+            It has been too far off for too long; or it is twice as far off and has run there by
+            itself, as no rod does that lags behind its reference: pushed, or no longer held.
         """
         following = self._following
         for k, swings in enumerate(self._swings):
@@ -171,10 +179,14 @@ class TrackingWatch:
             since = self._followed_at[k]
             if -following <= error <= following or since is None:
                 self._followed_at[k] = now
+                self._left_at[k] = measured[k]
+            elif abs(error) > 2.0 * following and self._way_off(k, measured[k], error) > following:
+                what = f"following error of {self._names[k]} that its own motion brought about"
+                raise self._strayed(what, k, error, 2.0 * following)
             elif now - since > self._alarm.lost:
                 what = f"following error of {self._names[k]} for {now - since:.3g} s"
-                why = _STICKS if rests.sticks else None
-                raise Strayed(what, error, -following, following, "m", why)
+                ran = self._way_off(k, measured[k], error) > 0.5 * (abs(error) - following)
+                raise self._strayed(what, k, error, following, ran=ran)
             elif now - since > _HELD and (cause := held()) is not None:
                 raise SafetyError(
                     f"{cause} [{self._names[k]} stays {error * 1e3:.2g} mm off its reference]"
@@ -186,6 +198,18 @@ class TrackingWatch:
                     f"{self._alarm.amplitude * 1e3:g} mm, or one of {following * 1e3:g} mm to "
                     "either side]"
                 )
+
+    def _way_off(self, k: int, measured: float, error: float) -> float:
+        """Return how far a rod has moved on by itself since it was too far off, m."""
+        return (measured - self._left_at[k]) * math.copysign(1.0, error)
+
+    def _strayed(
+        self, what: str, k: int, error: float, most: float, *, ran: bool = True
+    ) -> Strayed:
+        why = _STICKS if not ran and self._rests[k].sticks else None
+        strayed = Strayed(what, error, -most, most, "m", why)
+        strayed.rod, strayed.ran = k, ran
+        return strayed
 
     def check_still(
         self, wanted: Sequence[float], measured: Sequence[float], most: float = math.inf

@@ -1,0 +1,60 @@
+"""When each fault of a case could first be seen."""
+
+from rig.faults.case import Break
+from rig.faults.kind import Must, Sizes
+from rig.faults.subject import Subject
+
+
+class Felt:
+    """The times from which the faults of a case are felt.
+
+    What spoils the law is felt when the law is followed. What befalls setpoints is felt when they
+    next say something else: at rest there is nothing to be late. All else is felt at once.
+
+    Parameters
+    ----------
+    subject : Subject
+        The rig.
+    """
+
+    def __init__(self, subject: Subject) -> None:
+        self._subject = subject
+        self._made: list[tuple[Break, float]] = []
+        self._at: list[float | None] = []
+
+    def __len__(self) -> int:
+        """Return how many faults have happened."""
+        return len(self._made)
+
+    @property
+    def made_at(self) -> tuple[float, ...]:
+        """When each happened, s."""
+        return tuple(at for _, at in self._made)
+
+    @property
+    def times(self) -> tuple[float | None, ...]:
+        """When each could first be seen, s; None: it never could."""
+        return tuple(self._at)
+
+    def make(self, item: Break, now: float) -> None:
+        """Take a fault that happens at `now` (s)."""
+        self._made.append((item, now))
+        self._at.append(None if item.row.spoils_law or item.row.in_setpoints else now)
+
+    def spoil(self, now: float) -> bool:
+        """Take a command that is spoilt; return whether the first fault is felt from now on, s."""
+        before = self._at[:1]
+        for k, (item, _) in enumerate(self._made):
+            if self._at[k] is None and item.row.spoils_law:
+                self._at[k] = now
+        return before == [None] and self._at[0] is not None
+
+    def change(self, k: int, now: float) -> None:
+        """Take setpoints that have changed under fault `k`, at `now` (s).
+
+        What is left of it must be enough to be seen.
+        """
+        item, made = self._made[k]
+        left = Sizes(item.magnitude, made + item.lasts - now)
+        if self._at[k] is None and item.row.must(left, self._subject) is Must.SAFE:
+            self._at[k] = now

@@ -1,0 +1,64 @@
+"""A pair that a procedure leaves alone, and that moves while the other one is pushed."""
+
+import numpy as np
+import pytest
+
+from rig.hal import LimitExceeded
+from rig.mechanisms.joint.alarms.unpushed import UnpushedWatch
+
+MOST = 2.0**-8
+STEP = 2.0**-6
+CALM = 0.2
+
+
+def rods(first=0.0, second=0.0):
+    """Return rods of two pairs at places, m."""
+    return (first, -second, -first, second)
+
+
+def stand(watched, push, at, duration, start=0.0):
+    """Let the pairs stand under a push; return when it is over."""
+    for k in range(round(duration / STEP) + 1):
+        watched.check(push, rods(*at), start + k * STEP)
+    return start + duration
+
+
+@pytest.mark.parametrize("pair", [0, 1])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pair_that_nothing_pushes_may_move_as_far_as_the_bound(pair, side):
+    push = (0.0, 20.0) if pair == 0 else (20.0, 0.0)
+    drawn = np.random.default_rng(pair)
+    place = [float(drawn.uniform(-0.01, 0.01)) for _ in range(2)]
+    place[pair] = 0.25
+    watched = UnpushedWatch(MOST)
+    now = stand(watched, push, place, 0.5)
+    place[1 - pair] += 0.1  # the one that is pushed goes where it likes
+    place[pair] += side * MOST
+    watched.check(push, rods(*place), now)
+    place[pair] += side * 1e-9
+    words = ("ch1, ch3", "ch4, ch2")[pair]
+    with pytest.raises(LimitExceeded, match=f"way of the pair {words} that nothing pushes"):
+        watched.check(push, rods(*place), now)
+
+
+def test_what_was_pushed_comes_to_rest_first():
+    watched = UnpushedWatch(MOST)
+    now = stand(watched, (20.0, 0.0), (0.0, 0.0), 1.0)
+    for k in range(round(CALM / STEP)):
+        watched.check((0.0, 20.0), rods(k * MOST), now + k * STEP)
+    watched.check((0.0, 20.0), rods(0.125), now + CALM)
+    watched.check((0.0, 20.0), rods(0.125), now + 2 * CALM)
+    with pytest.raises(LimitExceeded):
+        watched.check((0.0, 20.0), rods(0.125 + 1.5 * MOST), now + 2 * CALM)
+
+
+def test_a_pair_that_is_pushed_again_or_led_is_not_watched():
+    push = (0.0, 20.0)
+    for between in ("push", "restart"):
+        watched = UnpushedWatch(MOST)
+        now = stand(watched, push, (0.0, 0.0), 0.5)
+        if between == "push":
+            watched.check((1e-3, 0.0), rods(0.5), now)
+        else:
+            watched.restart()
+        stand(watched, push, (0.5, 0.0), 0.5, now)
