@@ -247,7 +247,18 @@ class Esc(ArmLaw[EscSettings]):
     sign is kept on either side of the elbow; exact hits of shoulder and wrist are passed, and
     near misses take no longer than the rate limits require; a dwell has its exact length and
     never stops. Does not promise the accelerations of near misses nor, unless it is told to begin
-    from rest, of its start and its stop: see `look-ahead`.
+    from rest, of its start and its stop: see `look-ahead`. Nor that it turns back on a line that
+    meets the boundary across the arm's direction while the tool's turning pushes the wrist
+    outward: the plan's outcome then is ``"stalls"``, see the notes.
+
+    Notes
+    -----
+    Near the boundary the wrist is ``k S3^2`` inside of it and ``b = n S3``, so that the twist
+    ``(b v, b^2 w)`` gives ``2 k S3' = -n v_r - n^2 o S3`` with the line's radial speed ``v_r`` and
+    the outward speed ``o`` of the turning, and ``v_r' = n S3 c`` with ``c > 0`` on any straight
+    line. The rest at ``S3 = v_r = 0`` has the trace ``-n^2 o / 2k`` and the determinant
+    ``n^2 c / 2k``: with ``o > 0`` it attracts from both sides of the elbow, whatever the region's
+    width, which is in n alone. A tool that does not turn lets the hand pass.
 
     References
     ----------

@@ -170,7 +170,9 @@ class LookAhead(ArmLaw[LookAheadSettings]):
             gone = math.dist(*(forward(self.arm, samples[k].positions).position for k in (0, -1)))
             raise InfeasibleMotion(
                 f"the joints' path is that of esc, which stalls {gone:.4g} m from the start: it "
-                f"does not turn back at the boundary from there; start the line elsewhere."
+                f"does not turn back at the boundary from there, where the tool's turning pushes "
+                f"the wrist outward; start the line elsewhere, or do not turn the tool on it "
+                f"(turn_rate: 0)."
             )
         return samples, end.duration
 

@@ -1,10 +1,12 @@
 """Turning back at the boundary: the paper's Fig. 4 as numbers, and what the paper leaves out."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from arm_cases import START_FIG4, radians
+from drawn_cases import hand_of
 
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
@@ -291,26 +293,61 @@ def test_wrist_and_elbow_together():
     assert plan.path_deviation < 1e-8
 
 
-def test_look_ahead_leaves_no_half_of_a_line_out_that_esc_does_not_turn_back_on():
-    """A drawn arm whose `esc` stalls at the boundary: the hand was done there, 0.568 m away."""
-    arm = ArmGeometry(
-        **WIDE,
-        a2=0.5915429488170001,
-        a3=0.88972136692,
-        d6=0.259185300049,
-        rate_limits=(6.91225, 2.61042, 4.33309, 1.00962, 3.86569, 0.765787),
-        acceleration_limits=(34.5612, 13.0521, 21.6655, 5.0481, 19.3285, 3.82894),
-    )
-    start = (
+STALLS = ArmGeometry(
+    **WIDE,
+    a2=0.5915429488170001,
+    a3=0.88972136692,
+    d6=0.259185300049,
+    rate_limits=(6.91225, 2.61042, 4.33309, 1.00962, 3.86569, 0.765787),
+    acceleration_limits=(34.5612, 13.0521, 21.6655, 5.0481, 19.3285, 3.82894),
+)
+STALLING = TurnBack(
+    start=(
         -2.555566983967113, 1.5213445854532563, 0.39859510646301777,
         -1.2175515177815763, 0.435775033481256, 2.561569501805403,
-    )  # fmt: skip
-    path = TurnBack(
-        start=start,
-        direction=(-0.5486536121637022, 1.5759290046815946, 0.937904739170218),
-        speed=0.05458979304349299,
-        axis=(2.139916132360379, -0.5781021044800462, 0.5542365518397604),
-        turn_rate=0.4259791770918002,
-    )
+    ),
+    direction=(-0.5486536121637022, 1.5759290046815946, 0.937904739170218),
+    speed=0.05458979304349299,
+    axis=(2.139916132360379, -0.5781021044800462, 0.5542365518397604),
+    turn_rate=0.4259791770918002,
+)  # fmt: skip
+"""A drawn arm and line: the tool's turning brings the wrist to the boundary across the line."""
+
+
+def test_look_ahead_leaves_no_half_of_a_line_out_that_esc_does_not_turn_back_on():
+    """The hand was done there, 0.568 m away."""
     with pytest.raises(InfeasibleMotion, match=r"esc, which stalls 0\.568 m from the start"):
-        LookAhead(LookAheadSettings(), arm, 5e-3).prepare(path)
+        LookAhead(LookAheadSettings(), STALLS, 5e-3).prepare(STALLING)
+
+
+@pytest.mark.parametrize("width", [0.1236, 0.2, 0.3, 0.38])
+def test_where_esc_stalls_its_own_twist_comes_to_rest_whatever_the_regions_width(width):
+    """So it cannot pass there and keep its promise of the twist (b v, b^2 w).
+
+    About S3 = 0 and the radial speed 0 the rates of both are linear: fitted to the plan's samples,
+    their matrix has a negative trace and a positive determinant, and so attracts from all sides.
+    """
+    plan = Esc(EscSettings(elbow_region=width), STALLS, 5e-3).prepare(STALLING)
+    assert plan.outcome == "stalls"
+    way = np.array(STALLING.direction) / np.linalg.norm(STALLING.direction)
+    tool = np.array([0.0, 0.0, STALLS.d6])
+
+    def radial(q):
+        hand, turn = hand_of(STALLS, q)
+        wrist = hand - turn @ tool - np.array([0.0, 0.0, STALLS.base_height])
+        return way @ wrist / np.linalg.norm(wrist)
+
+    states = np.array([(math.sin(q[2]), radial(q)) for q in plan.positions[:-1]])
+    rates = np.gradient(states, 5e-3, axis=0)
+    near = (np.abs(states) < 2e-2).all(axis=1) & (np.abs(states[:, 0]) > 1e-6)
+    assert near.sum() > 1000
+    matrix = np.linalg.lstsq(states[near], rates[near], rcond=None)[0].T
+    assert np.trace(matrix) < -0.2
+    assert np.linalg.det(matrix) > 0.05
+    assert np.linalg.eigvals(matrix).real.max() < -0.1
+
+
+def test_a_tool_that_does_not_turn_passes_where_esc_stalls():
+    plan = Esc(EscSettings(), STALLS, 5e-3).prepare(replace(STALLING, turn_rate=0.0))
+    assert plan.outcome == "done"
+    assert len(plan.crossings) == 1
