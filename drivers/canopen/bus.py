@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from drivers.can.cyclic import CyclicCanBus
 from drivers.canopen.answers import SyncTrain
 from drivers.canopen.heartbeat import HeartbeatProducer, NmtState
+from drivers.canopen.misses import RecentMisses
 from drivers.canopen.settings import CanBusSettings
 from rig.hal import Clock, FastCanBus
 
@@ -31,6 +32,8 @@ class CanopenBus(CyclicCanBus):
     ----------
     syncs : SyncTrain
         Those so far.
+    misses : RecentMisses
+        Of the samples that devices owe.
     late_samples : list of callable
         Each returns how many samples of a device came in another cycle than that of their SYNC.
     held_samples : list of callable
@@ -52,6 +55,7 @@ class CanopenBus(CyclicCanBus):
         super().__init__(name, settings, open_bus, clock, period)
         self.settings = settings
         self.syncs = SyncTrain(can_omit=settings.sync)
+        self.misses = RecentMisses(self.syncs)
         self.late_samples: list[Callable[[], int]] = []
         self.held_samples: list[Callable[[], int]] = []
         self.lost_setpoints: list[Callable[[], int]] = []

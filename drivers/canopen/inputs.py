@@ -140,6 +140,7 @@ class CyclicInputs:
             return
         if missed >= self._hold_after:
             self._held += 1
+            self._bus.misses.note(self.name)
         if self._wrong_in_a_row >= self._fault_after:
             can_id, size, expected = self._wrong
             raise DeviceFault(
@@ -154,7 +155,7 @@ class CyclicInputs:
         if missed >= self._fault_after:
             raise DeviceFault(
                 self.name,
-                "it does not answer SYNC any more",
+                f"it does not answer SYNC any more{self._bus.misses.of_others(self.name)}",
                 node=self.node,
                 object=self._identifiers(),
                 value=f"{missed} missed in a row",

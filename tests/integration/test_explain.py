@@ -185,6 +185,21 @@ def test_a_run_that_stopped_is_explained(tmp_path, capsys, fault, named):
     assert fault_event["t"] - 0.1 < event["t"] < fault_event["t"], "cause before effect"
 
 
+def test_frames_that_a_bus_loses_are_no_silence_of_one_device(tmp_path, capsys):
+    kinds = {}
+    for fault in (
+        "device: can0, fault: frame_loss, value: 0.4",
+        "device: regulators, fault: silent",
+    ):
+        injected = f"simulation.faults=[{{at: 1.2 s, {fault}}}]"
+        args = ["run", "cylinder-sine", "--no-report", "--out", str(tmp_path), "--set", injected]
+        assert invoke(args) == 4
+        capsys.readouterr()
+        _, out, _ = said(capsys, "--runs", str(tmp_path), "--json")
+        kinds[fault] = [entry["text"] for entry in json.loads(out) if entry["label"] == "kind"]
+    assert [*kinds.values()] == [["frames_lost"], ["silent"]]
+
+
 def test_each_suspect_of_a_diagnosis_has_its_kind(tmp_path, capsys):
     """The message of a leak speaks of regulators and monitors first."""
     runs = tmp_path / "runs"
