@@ -200,21 +200,26 @@ def test_frames_that_a_bus_loses_are_no_silence_of_one_device(tmp_path, capsys):
     assert [*kinds.values()] == [["frames_lost"], ["silent"]]
 
 
-def test_each_suspect_of_a_diagnosis_has_its_kind(tmp_path, capsys):
-    """The message of a leak speaks of regulators and monitors first."""
+@pytest.mark.parametrize(
+    ("fault", "words", "expected"),
+    [
+        ("agonist.leak, value: 4e-8", "leaks behind its tube", ["pulls_disagree"]),
+        ("supply_lost, value: 100e3", "no chamber gets beyond 99 kPa", ["supply", "leak"]),
+    ],
+)
+def test_each_suspect_of_a_diagnosis_has_its_kind(tmp_path, capsys, fault, words, expected):
+    """The message of either speaks of regulators and monitors first."""
     runs = tmp_path / "runs"
-    leak = "simulation.faults=[{at: 6 s, device: plant, fault: agonist.leak, value: 4e-8}]"
-    args = ["run", "cylinder-sine", "--no-report", "--out", str(runs), "--set", leak]
+    broken = f"simulation.faults=[{{at: 6 s, device: plant, fault: {fault}}}]"
+    args = ["run", "cylinder-sine", "--no-report", "--out", str(runs), "--set", broken]
     assert invoke(args) == 4
     [run] = runs.iterdir()
     capsys.readouterr()
     _, out, _ = said(capsys, str(run), "--json")
     told = json.loads(out)
-    diagnosis = " ".join(entry["text"] for entry in told if entry["label"] == "diagnosis")
-    kinds = [entry["text"] for entry in told if entry["label"] == "kind"]
-    assert "leaks behind its tube" in diagnosis
-    assert kinds[0] == "pulls_disagree", kinds
-    assert "stick_slip" not in kinds
+    text = " ".join(entry["text"] for entry in told if entry["label"] in ("message", "diagnosis"))
+    assert words in text
+    assert [entry["text"] for entry in told if entry["label"] == "kind"] == expected
 
 
 def test_a_missed_bound_is_explained(tmp_path, capsys):
@@ -355,6 +360,20 @@ def test_a_metric_of_one_stretch_is_explained_by_its_measure(capsys):
             "the last second fits best: chamber of antagonist: it pulls as with 128 kPa less than "
             "its monitor says; it leaks behind its tube, or the monitor is off",
             "pulls_disagree",
+        ),
+        (
+            "way of the pair ch1, ch3 that nothing pushes is 3 mm, outside -3 … 3 mm",
+            "moves_unasked",
+        ),
+        ("way of the rod of ch2 while nothing controls it is 4 mm", "moves_unasked"),
+        (
+            "following error of the rod of ch1 that its own motion brought about is 6.04 mm, "
+            "outside -6 … 6 mm",
+            "following",
+        ),
+        (
+            "the wire of ch2 or the wire of ch4 is caught, or encoder-2 or encoder-4 is off",
+            "wires_disagree",
         ),
         ("can0: the controller went bus-off [value bus-off]", "bus_off"),
         ("can0: the controller is error passive; look at cable and termination", "bus_off"),

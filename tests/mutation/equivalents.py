@@ -40,6 +40,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         )
         for word, sign in (("if", ">"), ("elif", "<"))
     ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/tracking.py",
+        "way = measured - left_at if error > 0.0 else left_at - measured",
+        "error > 0.0 -> error >= 0.0",
+        "an error that is judged is beyond what is permitted, and never 0",
+    ),
     *(
         Equivalent(
             "rig/mechanisms/cylinder/mechanism.py",

@@ -8,7 +8,7 @@ import pytest
 
 from rig.hal import LimitExceeded, SafetyError
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
-from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed, TrackingWatch
 
 PERIOD = 1e-3
 FOLLOWING = 3e-3
@@ -181,15 +181,55 @@ def test_a_rod_that_runs_off_by_itself_is_given_no_time(seed):
     side = float(drawn.choice([-1.0, 1.0]))
     speed, since = float(drawn.uniform(0.03, 0.4)), float(drawn.uniform(0.1, 0.5))
     slope = float(drawn.uniform(-5e-3, 5e-3))  # of what is followed
+    place = float(drawn.uniform(-30e-3, 30e-3))
 
     def error(t):
         return side * speed * max(t - since, 0.0)
 
-    t, fault = run(lambda t: slope * t, error, 2.0)
+    t, fault = run(lambda t: place + slope * t, error, 2.0)
     assert t == pytest.approx(since + 2.0 * FOLLOWING / speed, abs=2 * PERIOD)
     assert isinstance(fault, LimitExceeded)
     assert "following error of the pair that its own motion brought about" in str(fault)
     assert "outside -6 … 6 mm" in str(fault)
+
+
+def stray(wanted, measured, at=1.0):
+    """Return what is raised where a rod followed at 0.25 m, and is elsewhere at an instant."""
+    alarm = OscillationAlarm(amplitude=100.0, lost=0.5)
+    watched = watch(following=2.0, alarm=alarm, names=("a", "b"))
+    watched.check((0.0, 0.25), (0.0, 0.25), 0.0)
+    try:
+        watched.check((0.0, wanted), (0.0, measured), at)
+    except Strayed as strayed:
+        return strayed
+    return None
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_twice_as_far_off_and_half_of_it_by_itself_are_bounds(side):
+    def off(error, way, at=0.25):
+        here = 0.25 + side * way
+        return stray(here - side * error, here, at)
+
+    assert off(4.0, 3.0) is None, "not more than twice"
+    assert off(4.5, 2.0) is None, "not more than half by itself"
+    ran = off(4.5, 2.5)
+    assert (ran.value, ran.lower, ran.upper) == (side * 4.5, -4.0, 4.0)
+    assert (ran.rod, ran.ran) == (1, True)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_who_has_gone_half_of_what_is_too_much_by_itself_has_not_lagged(side):
+    for error, way, ran in ((3.0, 0.5, False), (3.0, 0.75, True), (3.5, 0.75, False)):
+        here = 0.25 + side * way
+        found = stray(here - side * error, here)
+        assert (found.rod, found.ran) == (1, ran), (error, way)
+        assert (found.value, found.upper) == (side * error, 2.0)
+
+
+def test_an_error_of_nobody_in_particular_is_that_of_the_first_and_has_lagged():
+    plain = Strayed("following error", 1.0, -0.5, 0.5, "m")
+    assert (plain.rod, plain.ran) == (0, False)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.45])

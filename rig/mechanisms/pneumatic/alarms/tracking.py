@@ -139,8 +139,8 @@ class TrackingWatch:
     def restart(self) -> None:
         """Forget the past: nothing was controlled."""
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
-        self._followed_at: list[float | None] = [None] * len(self._names)
-        self._left_at = [0.0] * len(self._names)
+        self._followed: list[tuple[float, float] | None] = [None] * len(self._names)
+        """When each was last near enough, s, and where it was, m."""
         self._rests = [RodRests() for _ in self._names]
 
     def check(
@@ -176,21 +176,11 @@ class TrackingWatch:
             error = measured[k] - goal
             rests = self._rests[k]
             rests.update(measured[k], now)
-            since = self._followed_at[k]
-            if -following <= error <= following or since is None:
-                self._followed_at[k] = now
-                self._left_at[k] = measured[k]
-            elif abs(error) > 2.0 * following and self._way_off(k, measured[k], error) > following:
-                what = f"following error of {self._names[k]} that its own motion brought about"
-                raise self._strayed(what, k, error, 2.0 * following)
-            elif now - since > self._alarm.lost:
-                what = f"following error of {self._names[k]} for {now - since:.3g} s"
-                ran = self._way_off(k, measured[k], error) > 0.5 * (abs(error) - following)
-                raise self._strayed(what, k, error, following, ran=ran)
-            elif now - since > _HELD and (cause := held()) is not None:
-                raise SafetyError(
-                    f"{cause} [{self._names[k]} stays {error * 1e3:.2g} mm off its reference]"
-                )
+            followed = self._followed[k]
+            if -following <= error <= following or followed is None:
+                self._followed[k] = now, measured[k]
+            else:
+                self._check_far(k, error, measured[k], now, followed, held)
             frequency = swings.update(goal, error, now)
             if frequency is not None:
                 raise SafetyError(
@@ -199,13 +189,31 @@ class TrackingWatch:
                     "either side]"
                 )
 
-    def _way_off(self, k: int, measured: float, error: float) -> float:
-        """Return how far a rod has moved on by itself since it was too far off, m."""
-        return (measured - self._left_at[k]) * math.copysign(1.0, error)
+    def _check_far(
+        self,
+        k: int,
+        error: float,
+        measured: float,
+        now: float,
+        followed: tuple[float, float],
+        held: Callable[[], str | None],
+    ) -> None:
+        """Raise if a rod that is too far off has run there, or is so for too long."""
+        since, left_at = followed
+        following, name = self._following, self._names[k]
+        way = measured - left_at if error > 0.0 else left_at - measured
+        if abs(error) > 2.0 * following and way > following:
+            what = f"following error of {name} that its own motion brought about"
+            raise self._strayed(what, k, error, 2.0 * following, ran=True)
+        if now - since > self._alarm.lost:
+            ran = way > 0.5 * (abs(error) - following)
+            what = f"following error of {name} for {now - since:.3g} s"
+            raise self._strayed(what, k, error, following, ran=ran)
+        if now - since > _HELD and (cause := held()) is not None:
+            raise SafetyError(f"{cause} [{name} stays {error * 1e3:.2g} mm off its reference]")
 
-    def _strayed(
-        self, what: str, k: int, error: float, most: float, *, ran: bool = True
-    ) -> Strayed:
+    def _strayed(self, what: str, k: int, error: float, most: float, *, ran: bool) -> Strayed:
+        """Return the error of a rod that has strayed; what has run there by itself sticks not."""
         why = _STICKS if not ran and self._rests[k].sticks else None
         strayed = Strayed(what, error, -most, most, "m", why)
         strayed.rod, strayed.ran = k, ran
