@@ -65,10 +65,13 @@ def advise(
         Why it cannot be done.
     """
     if isinstance(error, TwoHeights):
-        return _on_ground_before(fits, asked, place, name) or _farther(fits, asked, place, name)
+        level = _on_ground_before(fits, asked, place, name)
+        return level or _farther(fits, asked, place, name)[0]
     if isinstance(error, MeetsGround):
-        said = _other_lift(fits, asked, lift, _HIGHER, name)
-        said += _farther(fits, asked, place, name)
+        # A foot that is lifted far more bends its knee and its ankle far more.
+        farther, near = _farther(fits, asked, place, name)
+        times = _HIGHER[:3] if near else _HIGHER
+        said = _other_lift(fits, asked, lift, times, name) + farther
         return said or _shorter(fits, asked, place, name)
     said = _shorter(fits, asked, place, name)
     if not said and isinstance(error, BeyondLeg):
@@ -132,12 +135,12 @@ def _other_lift(fits: Fits, asked: Footstep, lift: float, times: Iterable[float]
     return ""
 
 
-def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> str:
-    """Return the nearest print farther on, on the same ground, that fits."""
+def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> tuple[str, bool]:
+    """Return the nearest print farther on, on the same ground, that fits; and if it is near."""
     (x, y, _), (bx, by, _) = place.after[0], place.before[0]
     way = math.hypot(x - bx, y - by)
     if way == 0.0:
-        return ""
+        return "", False
     s, c = math.sin(place.after[1][2]), math.cos(place.after[1][2])
     ground = GroundPlane(asked.pitch, asked.roll)
 
@@ -150,13 +153,14 @@ def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> str:
 
     low, high = 0, next((mm for mm in _FARTHER if fits(at(mm))), 0)
     if not high:
-        return ""
+        return "", False
     low = max((mm for mm in _FARTHER if mm < high), default=0)
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if fits(at(middle)) else (middle, high)
     its = _words(at(high), tilts=False, heading=False)
-    return f" {name.capitalize()} would fit {high} mm farther on, at {its}."
+    words = f" {name.capitalize()} would fit {high} mm farther on, at {its}."
+    return words, high <= _FARTHER[1]
 
 
 def _on_ground_before(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> str:

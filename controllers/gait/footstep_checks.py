@@ -53,7 +53,7 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
     if swings:
         _check_prints(geometry, phase)
         _check_overlap(geometry, phase)
-    lowest = _Low()
+    lowest = bent = _Worst()
     for k in range(_POINTS + 1):
         xi = k / _POINTS
         where = f"{phase.name}, {100.0 * xi:.0f} % of the way"
@@ -64,29 +64,33 @@ def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
                 raise BeyondLeg(f"{where}, {LEGS[leg]} leg: {error}") from error
             for joint, angle in enumerate(angles, 6 * leg):
                 low, high = limits[joint]
-                if not low - _ROUNDING <= angle <= high + _ROUNDING:
-                    raise BeyondLeg(
-                        f"{where}: {AXIS_NAMES[joint]} would be at {math.degrees(angle):.2f} deg, "
-                        f"outside {math.degrees(low):g} … {math.degrees(high):g} deg."
+                beyond = max(low - angle, angle - high)
+                if beyond > max(_ROUNDING, bent.by):
+                    words = (
+                        f"{where}: {AXIS_NAMES[joint]} would be at {math.degrees(angle):.5g} deg, "
+                        f"outside {math.degrees(low):g} … {math.degrees(high):g} deg"
                     )
+                    bent = _Worst(beyond, words)
         if swings:
             lowest = max(lowest, _lowest(geometry, phase, xi, where))
-    if lowest.below > _EVEN:
+    if bent.by:
+        raise BeyondLeg(f"{bent.words}.")
+    if lowest.by > _EVEN:
         raise MeetsGround(f"{lowest.words}.")
 
 
-class _Low(NamedTuple):
-    """A sole that is too low.
+class _Worst(NamedTuple):
+    """The instant of a phase that is farthest beyond a bound.
 
     Parameters
     ----------
-    below : float
-        Its depth, m.
+    by : float
+        How far, m or rad.
     words : str
         The same in words.
     """
 
-    below: float = 0.0
+    by: float = 0.0
     words: str = ""
 
 
@@ -129,10 +133,10 @@ def _check_overlap(geometry: LegGeometry, phase: GaitPhase) -> None:
         )
 
 
-def _lowest(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) -> _Low:
+def _lowest(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) -> _Worst:
     """Return how far the sole that swings is in the ground of its own prints."""
     swings = 0 if phase.standing[1] else 1
-    lowest = _Low()
+    lowest = _Worst()
     at, attitude = phase.foot_at(swings, xi), phase.attitude_at(swings, xi)
     sole = sole_corners(geometry, at, attitude)
     heights = _heights(at, attitude, sole)
@@ -147,7 +151,7 @@ def _lowest(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) -> _
             f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.3g} mm below where it "
             f"{'is to stand' if share else 'stood'}"
         )
-        lowest = max(lowest, _Low(below, words))
+        lowest = max(lowest, _Worst(below, words))
     return lowest
 
 

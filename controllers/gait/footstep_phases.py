@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from controllers.gait.footprints import Footstep, SteppingSettings
@@ -15,6 +15,8 @@ from controllers.gait.phases import DurationSetting, GaitPhase
 from controllers.gait.turning import Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
+_FOLLOWS = range(5, 85, 5)
+"""How far the waist might follow, mm, where a leg is beyond its ranges."""
 _STAYS = 1e-3
 """m and rad; a foot that goes no farther comes down where it stood."""
 
@@ -354,17 +356,18 @@ def _what_fits(
     support, stood, after = ((sole.at, sole.attitude) for sole in soles)
     place = SwingSoles(support, stood, after, 2.0 * geometry.side(stance.leg))
 
-    def fits(step: Footstep) -> bool:
+    def fits(step: Footstep, follow: float = settings.follow) -> bool:
         tried = [*before, step, *steps[number : number + 1]]
         first = 1 if hip is None else number - 1
+        manner = replace(settings, follow=follow)
         try:
-            walk = _walk(geometry, settings, tried)
+            walk = _walk(geometry, manner, tried)
             height = settings.hip
             if height is None:
-                needs = _needs(geometry, settings, walk)
+                needs = _needs(geometry, manner, walk)
                 own = min(need.hips for need in needs if need.step <= number)
                 height = own if hip is None else min(own, hip)
-            phases, numbers = _phases(geometry, settings, tried, walk, height)
+            phases, numbers = _phases(geometry, manner, tried, walk, height)
             for phase, its in zip(phases, numbers, strict=True):
                 if first <= its <= number:
                     check_phase(geometry, phase)
@@ -373,4 +376,12 @@ def _what_fits(
         return True
 
     name = f"step {number}" if hip is None else f"step {number} by itself"
-    return advise(fits, asked, settings.lift, place, name, error)
+    said = advise(fits, asked, settings.lift, place, name, error)
+    if not said and isinstance(error, BeyondLeg):
+        # The waist may go to meet the foot: then the other leg need not fold so far.
+        wider = (mm for mm in _FOLLOWS if 1e-3 * mm > settings.follow)
+        found = next((mm for mm in wider if fits(asked, 1e-3 * mm)), None)
+        said = f" With follow at {found} mm {name} would fit."
+        if found is None:
+            said = " No part of the step, no lower lift and no waist that follows farther would do."
+    return said
