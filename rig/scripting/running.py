@@ -1,6 +1,7 @@
 """`rig.run`, `rig.load`, `rig.runs`: an experiment from Python, and what it left behind."""
 
 import contextlib
+import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from itertools import compress
@@ -231,7 +232,14 @@ def _as_text(value: object) -> str:
         return repr(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(_as_text(item) for item in value)}]"
-    return str(value)
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{key}: {_quoted(item)}' for key, item in value.items())}}}"
+    return "null" if value is None else str(value)
+
+
+def _quoted(value: object) -> str:
+    """Return a value of a mapping, whose words may hold a comma or a brace."""
+    return json.dumps(value) if isinstance(value, str) else _as_text(value)
 
 
 def _path(path: str | Path | None) -> Path | None:

@@ -387,3 +387,14 @@ def test_another_thread_may_stop_a_run(out):
     assert not thread.is_alive()
     (error,) = ended
     assert error.run.status == "aborted"
+
+
+def test_a_mapping_among_settings_holds_what_yaml_does():
+    """Python's own words for true and for nothing are none of YAML's."""
+    numbers = {"count": 2, "together": True, "width": None, "length": "20 mm", "first": "left"}
+    text = "{count: 2, together: true, width: null, length: 20 mm, first: left}"
+    found = [
+        rig.check("legs-footsteps", set={"reference.steps": [], "reference.numbers": given})
+        for given in (numbers, text)
+    ]
+    assert found[0]["experiment"] == found[1]["experiment"]
