@@ -25,11 +25,17 @@ class Equivalent(NamedTuple):
 
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
-    Equivalent(
-        "rig/mechanisms/pneumatic/alarms/balance.py",
-        "weak, against = (other, -pull) if off > 0.0 else (one, pull)",
-        "off > 0.0 -> off >= 0.0",
-        "what has strayed is off by something",
+    *(
+        Equivalent(
+            "rig/mechanisms/pneumatic/alarms/balance.py",
+            line,
+            "off > 0.0 -> off >= 0.0",
+            "what has strayed is off by something",
+        )
+        for line in (
+            "against = -pull if off > 0.0 else pull",
+            "weak = self._channels[other if off > 0.0 else one]",
+        )
     ),
     *(
         Equivalent(

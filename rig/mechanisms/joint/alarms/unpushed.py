@@ -9,7 +9,7 @@ from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.pneumatic.alarms.tracking import Shifted
 
-_CALM: Final = 0.2
+_CALM: Final = 0.25
 """A pair that was pushed has come to rest this much later, s."""
 
 
