@@ -63,7 +63,8 @@ def test_a_supply_that_is_more_than_chambers_rest_at_need_not_be_missed(seed):
     row, case = plight(chance, "supply_lost", bears=True)
     base = chance.uniform(40e3, 99e3)
     subject = replace(case.subject, base_pressure=base)
-    for supply, must in ((base - 1.0, Must.SAFE), (base + 1.0, Must.EITHER)):
+    seen = base - 12e3  # less than this may be what a regulator is off
+    for supply, must in ((seen - 1.0, Must.SAFE), (seen + 1.0, Must.EITHER)):
         assert row.must(Sizes(supply, math.inf), subject) is must
 
 
