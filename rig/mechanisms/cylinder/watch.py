@@ -141,7 +141,8 @@ class PairWatch:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
             if self._runs(k):
-                cause = self._explain_run() or self._pressures.suspicion() or self._explain_push(k)
+                cause = self._explain_run() or self._pressures.suspicion()
+                cause = cause or self._explain_push(k) or self._explain_push(1 - k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
             if cause is None and isinstance(error, Strayed):

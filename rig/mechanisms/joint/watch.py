@@ -160,8 +160,11 @@ class JointWatch:
         if cause is None and isinstance(error, LimitExceeded):
             cause = self._balance.explain()
         cause = cause or self._pressures.suspicion()
-        if cause is None and isinstance(error, DeviceFault) and self._wires.agree(rods):
-            cause = "the ring was pushed or struck: all rods move with it"
+        if cause is None and isinstance(error, DeviceFault):
+            if self._wires.agree(rods):
+                cause = "the ring was pushed or struck: all rods move with it"
+            elif self._runs_with(k):
+                cause = "the ring was pushed or struck: other rods run with it"
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _explain_strayed(self, error: Strayed, state: JointState) -> Exception:
@@ -202,6 +205,12 @@ class JointWatch:
         way, way_before = rods[k] - self._last[k], self._last[k] - self._before[k]
         fast = max(abs(way), self._limits.speed * self._step)
         return k if abs(way_before) > _JUMP * fast else None
+
+    def _runs_with(self, k: int) -> bool:
+        """Return whether another rod ran as well, in the last cycle that was checked."""
+        fast = _JUMP * self._limits.speed * self._step
+        ways = [rod - before for rod, before in zip(self._last, self._before, strict=True)]
+        return any(abs(way) > fast for i, way in enumerate(ways) if i != k)
 
     def _check_speed(self, rods: Quadruple, now: float) -> None:
         if self._speed_from is None:

@@ -182,6 +182,17 @@ def test_a_push_pulls_one_rod_out_and_the_other_runs_in_by_a_tenth():
     assert rods.watch._explain_push(0) is None  # its rod stood
 
 
+@pytest.mark.parametrize("jumped", [0, 1])
+def test_a_push_is_seen_by_either_rod(jumped):
+    """The chamber behind the one that runs in may be quicker than the wire of the other."""
+    rods = Rods()
+    for _ in range(4):
+        rods.cycle(0.0, 0.0)
+    rods.cycle(WAY, -WAY)
+    said = str(rods.watch.explain(DeviceFault(NAMES[jumped], "it jumps")))
+    assert said.startswith("the carriage was pushed or struck: it pulls the rod of agonist out")
+
+
 # An encoder that goes against the pull --------------------------------------------------------
 
 

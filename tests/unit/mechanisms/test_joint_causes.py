@@ -250,3 +250,26 @@ def test_a_regulator_that_looks_wrong_is_why_a_rod_strays(ran):
     error.ran = ran
     found = str(explain(error, TILTED, TILTED, TILTED, pressure=BASE + 25e3))
     assert found.startswith("regulators: the regulator of ch1 is stuck open")
+
+
+@pytest.mark.parametrize("other", [0, 1, 3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_encoder_that_complains_while_another_rod_runs_saw_a_push(other, sign):
+    """A push takes one wire along and slackens another; no pose fits the rods then."""
+    error = DeviceFault(ENCODERS[2], "it jumps")
+    fast = 0.3 * SPEED * PERIOD
+    for way, pushed in ((fast * (1.0 + 1e-6), True), (fast * (1.0 - 1e-6), False)):
+        bench = JointBench()
+        rods = off(TILTED, 3, -3e-3)  # its rod is held back, as no wire that lets go does it
+        bench.place(TILTED)
+        bench.joint.start_limiting(bench.cycles(1))
+        bench.joint.write((BASE,) * 4)
+        moved = list(rods)
+        for k in range(2):
+            moved[2] -= 2.0 * fast * k
+            moved[other] += sign * way * k
+            bench.place(tuple(moved))
+            state = bench.cycles(1)
+        found = str(bench.joint.explain(error, state))
+        words = "the ring was pushed or struck: other rods run with it"
+        assert found.startswith(words) is pushed, found
