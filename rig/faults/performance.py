@@ -32,7 +32,8 @@ from rig.runtime.states import RigState
 AFTERMATH = 1.5
 """How long the world is watched after the program has ended or died, s."""
 HORIZON = 1.0
-"""How long the run may go on after the last fault until it is asked to stop, s."""
+"""How long the run may go on after the last fault until it is asked to stop, s; or for as long as a
+fault may take to be seen."""
 TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
 """Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 
@@ -126,7 +127,7 @@ class Performance(Watcher):
         self._is_built = True
         if self._case is not None:  # it was broken while the run was rehearsed
             self._broke_at = 0.0
-            end = self.subject.connecting + _lead_in() + HORIZON
+            end = self.subject.connecting + _lead_in() + _horizon(self._case)
             self._stage.cue(end, self._stage.interrupt)
         self._described = describe_truth(rig.truth_columns, self._stage.world.plant.powered())
         self._columns = [column.name for column in self._described]
@@ -204,7 +205,8 @@ class Performance(Watcher):
             self._stage.cue(now + case.then_after, self._break_second)
         if case.moment is not Moment.REHEARSAL:
             lead_in = _lead_in() if case.moment is Moment.CONNECT else 0.0
-            self._stage.cue(now + lead_in + case.then_after + HORIZON, self._stage.interrupt)
+            end = now + lead_in + case.then_after + _horizon(case)
+            self._stage.cue(end, self._stage.interrupt)
         self._make(case.first)
 
     def _feel(self) -> None:
@@ -364,6 +366,11 @@ def _is_confessed(violation: Violation, told: str) -> bool:
     _, _, channel = violation.column.partition("_")
     said = rf"(?<!\w){re.escape(channel)} (still holds|held) "  # antagonist is not agonist
     return violation.hazard == ENERGY_LEFT and re.search(said, told) is not None
+
+
+def _horizon(case: Case) -> float:
+    """Return how long a run may go on after its last fault, s."""
+    return max(HORIZON, *(max(item.row.within, item.row.filling) for item in case.breaks))
 
 
 def _lead_in() -> float:

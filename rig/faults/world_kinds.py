@@ -188,14 +188,15 @@ def of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
 
 def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
+               filling: float = 0.0,
                magnitude: Magnitudes | None = None, lasts: Magnitudes | None = None,
                forgives: frozenset[str] = frozenset(),
                excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     """Return a fault of a device, or of one of its axes or a plant's channels."""
     places = partial(_devices, fault or name, words)
     return row_of(
-        name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
-        forgives=forgives, excuses=excuses,
+        name, what, places, must, within, fault=fault, filling=filling, why=why,
+        magnitude=magnitude, lasts=lasts, forgives=forgives, excuses=excuses,
     )  # fmt: skip
 
 
@@ -238,6 +239,7 @@ PNEUMATIC = (
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
     of_device("leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8), UNTIL_MOVED,
+               filling=3.5,  # chambers fill and it approaches, before anything moves far enough
                magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
                why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
                "regulator makes up for: the rods stay where they do when nothing leaks; a wider "

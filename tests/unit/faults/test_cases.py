@@ -8,9 +8,10 @@ import pytest
 
 from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
-from rig.faults.case import UNIT, Moment
+from rig.faults.case import UNIT, Break, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Place, Plight, Sizes
+from rig.faults.performance import _horizon
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
 from rig.faults.verdict import FAULTED, INTERRUPTED, OURS, CaseEnding, give_verdict
@@ -424,3 +425,17 @@ def test_a_law_that_is_spoilt_when_nobody_follows_it_any_more_need_not_be_seen()
         for felt_at, musts in (((1.0, None), {alone}), ((1.0, 1.5), both)):
             ending = CaseEnding(INTERRUPTED, "", 1.0, None, felt_at=felt_at)
             assert give_verdict(case, ending, SUBJECT).unseen is (Must.SAFE in musts)
+
+
+@pytest.mark.parametrize(
+    ("fault", "then", "seconds"),
+    [
+        ("silent", None, 1.0), ("leak", None, 3.5),
+        ("silent", "regulator_slow", 2.0), ("leak", "regulator_slow", 3.5),
+    ],
+)  # fmt: skip
+def test_a_run_goes_on_for_as_long_as_its_faults_may_take_to_be_seen(fault, then, seconds):
+    case = draw_random(SUBJECT, 1, 7)[0]
+    first = Break(fault, "plant agonist", None, inf)
+    second = None if then is None else Break(then, "plant agonist", None, inf)
+    assert _horizon(replace(case, first=first, then=second)) == seconds
