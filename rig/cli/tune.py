@@ -148,7 +148,7 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
-    from rig.tuning.search import FIRST_LOOK, GENERATION
+    from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK
 
     bounds = ", ".join(
         f"{name} {low:g} to {high:g}" for name, (low, high) in bench.ensemble.bounds.items()
@@ -157,8 +157,8 @@ def _announce(bench: Workbench, generations: int, folder: Path) -> None:
         f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look "
         f"anywhere, then {generations} that go on from the best: "
         f"{(FIRST_LOOK + generations) * GENERATION} trials, each on several plants for "
-        f"{bench.duration:.0f} s; {len(bench.ensemble.corners())} plants in all: "
-        f"{bounds}",
+        f"{bench.duration:.0f} s, and the best {LAST_LOOK} on all "
+        f"{len(bench.ensemble.corners())} plants: {bounds}",
         err=True,
     )
     click.echo(f"what is tried is kept in {folder}", err=True)

@@ -54,7 +54,9 @@ def perform(job: PointJob) -> PointFinding:
 def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]) -> float:
     """Return what gains cost on some corners of the ensemble.
 
-    No time is spent on those that are not stable, nor on more plants than one that is lost.
+    No time is spent on those that are not stable, nor on more plants than one that is lost. Where
+    all corners are asked for, it has to be all: gains that the program would be stopped with on
+    any of them are lost as well.
     """
     margins = bench.margins(gains, bench.ensemble.near())
     unstable = sum(not margin.stable for margin in margins)
@@ -67,4 +69,5 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
         trials.append(bench.trial(gains, member, coarse=True))
         if trials[-1].lasted < 1.0:
             return LOST + len(chosen) - number - trials[-1].lasted
-    return score(trials, margins).cost
+    stopped = sum(trial.strayed >= 1.0 for trial in trials) if len(chosen) == len(corners) else 0
+    return score(trials, margins).cost + (LOST + stopped if stopped else 0.0)

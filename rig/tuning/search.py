@@ -36,6 +36,10 @@ _MORE: Final = 2
 """So many plants come in before each part but the first: those that the best gains bear least."""
 FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
+_SHORTLIST: Final = (2, 2, 4)
+"""So many candidates, the best of each part of the search, have the whole ensemble in the end."""
+LAST_LOOK: Final = sum(_SHORTLIST)
+"""At most: some are the best of two parts."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
 _BAD: Final = 3000.0
@@ -96,7 +100,7 @@ class GainSearch:
             It cannot go on; what was judged is kept.
         """
         setup = WorkerSetup(PERFORM, self._code, self._folder.resolve() / "workers.log")
-        progress = SweepProgress((self._generations + FIRST_LOOK) * GENERATION)
+        progress = SweepProgress((self._generations + FIRST_LOOK) * GENERATION + LAST_LOOK)
         with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
             judge = _Judge(self._text, self._code, self._folder, journal, pool, progress)
             try:
@@ -111,20 +115,45 @@ class GainSearch:
         costs = judge([gains_at(tunables, place) for place in looks], members)
         best, least = looks[int(np.argmin(costs))], min(costs)
         history = [least]
-        for part, step in zip(_parts(self._generations), _STEPS, strict=True):
+        tried = [*zip(costs, looks, strict=True)]
+        finalists: list[dict[str, float]] = []
+        for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):
             if history[1:]:
                 members = self._with_worst(gains_at(tunables, best), members)
                 least = math.inf  # judged on more plants, it costs more
+                tried = []
             strategy = self._strategy(best, step)
             for _ in range(part):
                 places = strategy.ask()
                 costs = judge([gains_at(tunables, place) for place in places], members)
                 strategy.tell(places, costs)
+                tried += zip(costs, map(list, places), strict=True)
                 if min(costs) < least:
                     best, least = list(places[int(np.argmin(costs))]), min(costs)
                 history.append(least)
             progress.say(f"cost {least:.3f} on {len(members)} plants")
-        return FoundGains(gains_at(tunables, best), tuple(history), members)
+            few = sorted(tried, key=lambda pair: pair[0])[:wanted]
+            finalists += [gains_at(tunables, place) for _, place in few]
+        return self._last_look(judge, finalists, history, progress)
+
+    def _last_look(
+        self,
+        judge: "_Judge",
+        finalists: Sequence[dict[str, float]],
+        history: Sequence[float],
+        progress: SweepProgress,
+    ) -> FoundGains:
+        """Return the gains that cost least on the whole ensemble.
+
+        What was best on the few plants of the search may lose others, the sooner the fewer
+        generations there were: gains of an earlier part may then be the better ones.
+        """
+        members = tuple(range(len(self._bench.ensemble.corners())))
+        different = [g for k, g in enumerate(finalists) if g not in finalists[:k]]
+        costs = judge(different, members)
+        least = int(np.argmin(costs))
+        progress.say(f"cost {costs[least]:.3f} on all {len(members)} plants")
+        return FoundGains(different[least], tuple(history), members)
 
     def _stable_places(self, count: int) -> list[list[float]]:
         """Return places anywhere, those first whose loops are farthest from instability.

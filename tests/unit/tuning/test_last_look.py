@@ -1,0 +1,78 @@
+"""A search ends with the best of its parts on the whole ensemble."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from controllers.base import Tunable
+from rig.hal.bench import Trial
+from rig.hal.closed_loop import ClosedLoop
+from rig.tuning.candidate import cost_of
+from rig.tuning.score import LOST
+from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch
+from rig.tuning.workbench import Request
+
+STABLE = ClosedLoop(True, 50.0, 1.0, 0.01, 1.4)
+PLANTS = 9
+REQUEST = Request("rig", "law", None, (), None, 0)
+
+
+class Bench:
+    """Gains are worth the more the greater they are; one plant stops the rig above a bound."""
+
+    tunables = (Tunable("a", 1.0, 10.0), Tunable("b", 1.0, 10.0))
+    settings = SimpleNamespace(a=2.0, b=2.0)
+    bears = 10.0
+
+    def __init__(self):
+        numbers = list(range(PLANTS))
+        self.ensemble = SimpleNamespace(
+            corners=lambda: numbers, first=lambda: (0, 1), near=lambda: [0], nominal=0
+        )
+
+    def margins(self, gains, members):
+        return [STABLE for _ in members]
+
+    def trial(self, gains, member, *, coarse):
+        stopped = member == PLANTS - 1 and gains["a"] > self.bears
+        # The search takes the plants with the greatest errors in: this one hides.
+        error = (1e-5 if member == PLANTS - 1 else 1e-3) / gains["a"]
+        return Trial({"slow": error}, 0.0, 0.0, 1.2 if stopped else 0.1, 1.0)
+
+
+def searched(bench, folder):
+    """Return what was found, and how many plants each candidate had."""
+    search = GainSearch(bench, REQUEST, folder, 1, 6)
+    had = []
+
+    def judge(candidates, members):
+        had.extend(len(members) for _ in candidates)
+        return [cost_of(bench, gains, members) for gains in candidates]
+
+    found = search._go(judge, SimpleNamespace(say=lambda _: None))
+    return found, had
+
+
+def test_the_best_of_all_parts_have_every_plant(tmp_path):
+    found, had = searched(Bench(), tmp_path)
+    assert found.gains["a"] == pytest.approx(10.0, rel=0.1)
+    assert found.members == tuple(range(PLANTS))
+    assert len(had) == (FIRST_LOOK + 6) * GENERATION + had.count(PLANTS)
+    assert 1 <= had.count(PLANTS) <= LAST_LOOK
+
+
+def test_gains_that_a_plant_stops_give_way_to_those_of_an_earlier_part(tmp_path):
+    bench = Bench()
+    greedy, _ = searched(bench, tmp_path)
+    bench.bears = 0.97 * greedy.gains["a"]
+    found, _ = searched(bench, tmp_path)
+    assert found.gains["a"] <= bench.bears < greedy.gains["a"]
+
+
+def test_only_where_all_plants_are_asked_for_one_that_stops_is_lost():
+    bench = Bench()
+    bench.bears = 5.0
+    gains = {"a": 6.0, "b": 1.0}
+    assert cost_of(bench, gains, (0, PLANTS - 1)) < 0.5 * LOST
+    assert cost_of(bench, gains, range(PLANTS)) > 0.5 * LOST
+    assert cost_of(bench, {"a": 4.0, "b": 1.0}, range(PLANTS)) < 0.5 * LOST
