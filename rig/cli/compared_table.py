@@ -39,7 +39,7 @@ def table_lines(
     if any(ending != "ok" for ending in endings.values()):
         cells.append(["run", *(endings.get(label, "-") for label in labels)])
     if margins:
-        cells.append(["linear loop", *(margins.get(label, "-") for label in labels)])
+        cells.append(["linear loop", *(margins.get(label, "unknown") for label in labels)])
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
     lines = []
     for line in cells:

@@ -15,6 +15,9 @@ REPORT_WORDS: Final = {
     "says. 'no: friction holds it' is no fault: seals damp what the model leaves out, and the "
     "shipped laws are tuned on simulated seals; slippery ones let them swing. `rig tune` looks "
     "for gains with a margin of their own.",
+    "linear loop": "Of a law in a table of `rig compare`: whether its loop is stable as a linear "
+    "model says, see `rig explain stable`. 'unknown' is that of a law from elsewhere, whose "
+    "equations the model does not know; that says nothing against it.",
     "crossover": "Of a loop: the greatest frequency at which its gain is 1, rad/s; it follows what "
     "is slower.",
     "phase": "Of a loop: its phase margin, how much more lag it bears before it swings. In a log: "

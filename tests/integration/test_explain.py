@@ -332,7 +332,9 @@ def test_a_run_whose_process_was_killed_is_explained(tmp_path, capsys):
     assert f"rig report {run.name}" in " ".join(out.split())
 
 
-@pytest.mark.parametrize("word", ["sensitivity", "stable", "sim", "virtual", "vcan", "hardware"])
+@pytest.mark.parametrize(
+    "word", ["sensitivity", "stable", "linear loop", "sim", "virtual", "vcan", "hardware"]
+)
 def test_words_of_tables_and_options_are_known(capsys, word):
     code, out, _ = said(capsys, word)
     assert code == 0

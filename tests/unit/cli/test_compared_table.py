@@ -27,5 +27,5 @@ def test_who_did_not_end_well_is_told_in_a_row_of_its_own():
     lines = table_lines(("one", "two"), rows, {"one": "ok", "two": "faulted"}, {"one": "stable"})
     assert [line.split() for line in lines[-2:]] == [
         ["run", "ok", "faulted"],
-        ["linear", "loop", "stable", "-"],
+        ["linear", "loop", "stable", "unknown"],
     ]
