@@ -154,8 +154,8 @@ def _announce(bench: Workbench, generations: int, folder: Path) -> None:
         f"{name} {low:g} to {high:g}" for name, (low, high) in bench.ensemble.bounds.items()
     )
     click.echo(
-        f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look "
-        f"anywhere, then {generations} that go on from the best: "
+        f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look beside "
+        f"those in force and anywhere, then {generations} that go on from the best: "
         f"{(FIRST_LOOK + generations) * GENERATION} trials, each on several plants for "
         f"{bench.duration:.0f} s, and the best {LAST_LOOK} on all "
         f"{len(bench.ensemble.corners())} plants: {bounds}",

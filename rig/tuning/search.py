@@ -24,6 +24,7 @@ from rig.sweeping.point import PointJob
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
 from rig.tuning.candidate import PERFORM, job_of
+from rig.tuning.ensemble import Member
 from rig.tuning.gains import gains_at, place_of, values_of
 from rig.tuning.score import SENSITIVITY, score
 from rig.tuning.workbench import Request, Workbench
@@ -42,6 +43,13 @@ LAST_LOOK: Final = sum(_SHORTLIST)
 """At most: some are the best of two parts."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
+_BESIDE: Final = GENERATION
+"""So many of them lie beside the gains in force: those of a rig much like this one are nearly
+right, and may lack no more than a little margin."""
+_STEPS_ASIDE: Final = 60
+"""From so many places beside them those are chosen."""
+_STEP_ASIDE: Final = 0.05
+"""Their standard deviation, as a share of the bounds."""
 _BAD: Final = 3000.0
 """Cost of gains that a law refuses."""
 
@@ -111,7 +119,8 @@ class GainSearch:
     def _go(self, judge: "_Judge", progress: SweepProgress) -> FoundGains:
         tunables, count = self._bench.tunables, len(self._bench.tunables)
         members = self._bench.ensemble.first()
-        looks = [place_of(tunables, self._bench.settings), *self._stable_places(count)]
+        here = place_of(tunables, self._bench.settings)
+        looks = [here, *self._robust_places(here), *self._stable_places(count)]
         costs = judge([gains_at(tunables, place) for place in looks], members)
         best, least = looks[int(np.argmin(costs))], min(costs)
         history = [least]
@@ -163,16 +172,42 @@ class GainSearch:
         places: list[list[float]] = self._rng.uniform(size=(_PLACES, count)).tolist()
         nearness = [self._nearness(place) for place in places]
         order = sorted(range(_PLACES), key=lambda number: nearness[number])
-        return [places[number] for number in order[: FIRST_LOOK * GENERATION - 1]]
+        return [places[number] for number in order[: FIRST_LOOK * GENERATION - 1 - _BESIDE]]
 
-    def _nearness(self, place: Sequence[float]) -> float:
-        """Return how near the loop at a place is to instability; infinite: there is none."""
+    def _robust_places(self, here: Sequence[float]) -> list[list[float]]:
+        """Return places beside one, those first whose loops keep their distance on every plant.
+
+        Parameters
+        ----------
+        here : sequence of float
+            Of the gains in force.
+        """
+        aside = self._rng.normal(0.0, _STEP_ASIDE, (_STEPS_ASIDE, len(here)))
+        places: list[list[float]] = np.clip(np.asarray(here) + aside, 0.0, 1.0).tolist()
+        nominal = [self._nearness(place) for place in places]
+        few = sorted(range(_STEPS_ASIDE), key=lambda number: nominal[number])[: 2 * _BESIDE]
+        members = self._bench.ensemble.near()
+        worst = {number: self._nearness(places[number], members) for number in few}
+        return [places[number] for number in sorted(few, key=lambda n: worst[n])[:_BESIDE]]
+
+    def _nearness(self, place: Sequence[float], members: Sequence[Member] = ()) -> float:
+        """Return how near the loop at a place is to instability; infinite: there is none.
+
+        Parameters
+        ----------
+        place : sequence of float
+            Of the gains.
+        members : sequence of Member
+            The plants, of which the worst counts; default: the nominal one.
+        """
         gains = gains_at(self._bench.tunables, place)
         try:
-            (margin,) = self._bench.margins(gains, [self._bench.ensemble.nominal])
+            margins = self._bench.margins(gains, list(members) or [self._bench.ensemble.nominal])
         except ValueError:  # the law refuses these gains
             return math.inf
-        return max(margin.sensitivity, SENSITIVITY) if margin.stable else math.inf
+        if not all(margin.stable for margin in margins):
+            return math.inf
+        return max(SENSITIVITY, *(margin.sensitivity for margin in margins))
 
     def _strategy(self, place: Sequence[float], step: float) -> "_Strategy":
         import cma

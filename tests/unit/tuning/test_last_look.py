@@ -1,4 +1,4 @@
-"""A search ends with the best of its parts on the whole ensemble."""
+"""Where a search begins, and that it ends with the best of its parts on the whole ensemble."""
 
 from types import SimpleNamespace
 
@@ -8,7 +8,8 @@ from controllers.base import Tunable
 from rig.hal.bench import Trial
 from rig.hal.closed_loop import ClosedLoop
 from rig.tuning.candidate import cost_of
-from rig.tuning.score import LOST
+from rig.tuning.gains import place_of
+from rig.tuning.score import LOST, SENSITIVITY
 from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch
 from rig.tuning.workbench import Request
 
@@ -21,10 +22,10 @@ class Bench:
     """Gains are worth the more the greater they are; one plant stops the rig above a bound."""
 
     tunables = (Tunable("a", 1.0, 10.0), Tunable("b", 1.0, 10.0))
-    settings = SimpleNamespace(a=2.0, b=2.0)
     bears = 10.0
 
     def __init__(self):
+        self.settings = SimpleNamespace(a=2.0, b=2.05)
         numbers = list(range(PLANTS))
         self.ensemble = SimpleNamespace(
             corners=lambda: numbers, first=lambda: (0, 1), near=lambda: [0], nominal=0
@@ -67,6 +68,25 @@ def test_gains_that_a_plant_stops_give_way_to_those_of_an_earlier_part(tmp_path)
     bench.bears = 0.97 * greedy.gains["a"]
     found, _ = searched(bench, tmp_path)
     assert found.gains["a"] <= bench.bears < greedy.gains["a"]
+
+
+def test_a_search_begins_beside_the_gains_in_force_where_every_plant_has_margin(tmp_path):
+    """Gains of a rig much like this one may lack no more than a little of it."""
+    bench = Bench()
+    margins = bench.margins
+    here = place_of(bench.tunables, bench.settings)
+
+    def lacking(gains, members):
+        near = max(1.4, 10.0 * (gains["b"] - 1.85))  # in force: 2.05
+        return [margin._replace(sensitivity=near) for margin in margins(gains, members)]
+
+    bench.margins = lacking
+    search = GainSearch(bench, REQUEST, tmp_path, 1, 6)
+    assert search._nearness(here) > SENSITIVITY
+    places = search._robust_places(here)
+    assert len(places) == GENERATION
+    assert all(search._nearness(place) <= SENSITIVITY for place in places)
+    assert max(abs(x - y) for place in places for x, y in zip(place, here, strict=True)) < 0.3
 
 
 def test_only_where_all_plants_are_asked_for_one_that_stops_is_lost():
