@@ -122,7 +122,7 @@ def draw_path(rng, geometry):
     )
 
 
-def faults_of(geometry, path, plan, rates, accelerations):
+def faults_of(geometry, path, plan, rates, accelerations, *, keeps_path=True):
     """Return what is wrong with a plan.
 
     Parameters
@@ -131,6 +131,8 @@ def faults_of(geometry, path, plan, rates, accelerations):
         What was planned for what.
     rates, accelerations : sequence of int
         Joints whose limits were promised.
+    keeps_path : bool
+        Whether the path was.
     """
     q, v, h = plan.positions, plan.velocities, plan.period
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
@@ -146,7 +148,8 @@ def faults_of(geometry, path, plan, rates, accelerations):
             faults.append(f"acceleration of q{j + 1}")
     hands = [hand_of(geometry, row) for row in q.tolist()]
     points = np.array([point for point, _ in hands])
-    if not isinstance(path, ArmPath) and _off(geometry, path, points, hands[0]).max() > OFF_PATH:
+    is_known = keeps_path and not isinstance(path, ArmPath)
+    if is_known and _off(geometry, path, points, hands[0]).max() > OFF_PATH:
         faults.append("path")
     # The joints have to lead where their rates do: a jump of a position has no rate.
     jumps = np.abs(np.diff(q, axis=0) - 0.5 * h * (v[:-1] + v[1:]))[:-1]

@@ -6,6 +6,14 @@ from drawn_cases import draw_geometry, draw_offset_geometry, draw_path, faults_o
 
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.arm.plain import (
+    DampedLeastSquares,
+    DampedSettings,
+    Inverse,
+    InverseSettings,
+    ServoHalt,
+    ServoHaltSettings,
+)
 from controllers.motion import InfeasibleMotion
 
 PERIOD = 1e-2
@@ -15,7 +23,12 @@ LAWS = {
     "esc-paper": (EscPaper, EscPaperSettings(), (), ()),
     "esc": (Esc, EscSettings(), ALL, ()),
     "look-ahead": (LookAhead, LookAheadSettings(), ALL, ALL),
+    # The rivals promise rates or nothing, and no path near a singularity.
+    "inverse": (Inverse, InverseSettings(), (), ()),
+    "dls": (DampedLeastSquares, DampedSettings(), ALL, ()),
+    "servo-halt": (ServoHalt, ServoHaltSettings(), (), ()),
 }
+RIVALS = ("inverse", "dls", "servo-halt")
 each_law = pytest.mark.parametrize("law", LAWS)
 
 
@@ -38,7 +51,8 @@ def judge(law, seeds, draw=draw_geometry):
         promised = rates
         if law == "esc-paper" and getattr(path, "turn_rate", 0.0) == 0.0:
             promised = (2,)
-        faults = faults_of(geometry, path, plan, promised, accelerations)
+        keeps_path = law not in RIVALS
+        faults = faults_of(geometry, path, plan, promised, accelerations, keeps_path=keeps_path)
         if faults:
             wrong[seed] = faults
     return planned, refused, wrong
