@@ -63,7 +63,7 @@ def test_a_few_drawn_paths(law):
     planned, refused, wrong = judge(law, range(8))
     assert not wrong
     assert planned
-    assert refused
+    assert refused or law in RIVALS  # they refuse less: they promise less
 
 
 @pytest.mark.slow
