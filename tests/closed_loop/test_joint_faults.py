@@ -55,7 +55,7 @@ FAULTS = {
     "supply-lost": (
         plant("supply_lost"),
         PRESSURE + 0.05,
-        ("regulators: the supply pressure is lost", "fall short", "kPa off what is usual"),
+        ("regulators: the supply pressure is lost", "fall short", "kPa off "),
     ),
     "encoder-frozen": (
         device("encoder-2", "frozen"),

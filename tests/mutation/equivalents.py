@@ -142,6 +142,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/joint/watch.py",
+        "return any(abs(way) > fast for i, way in enumerate(ways) if i != k)",
+        "abs(way) > fast -> abs(way) >= fast",
+        "no difference of two readings is three tenths of a bound to the last bit",
+    ),
+    Equivalent(
+        "rig/mechanisms/joint/watch.py",
         "self._cycle += 1",
         "self._cycle += 1 -> self._cycle -= 1",
         "every fourth cycle is every fourth one, counted up or down",
@@ -234,6 +240,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "self._step = self._then = 0.0",
         "0.0 -> 1.0",
         "nobody asks for the first step: a run takes two cycles",
+    ),
+    Equivalent(
+        "rig/mechanisms/cylinder/watch.py",
+        "return False",
+        "return False -> return None",
+        "who asks whether a rod runs takes either for no",
     ),
     Equivalent(
         "rig/mechanisms/cylinder/watch.py",

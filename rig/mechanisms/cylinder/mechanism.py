@@ -321,8 +321,9 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
         self._tracking.check(
-            (reference.position,), (self._position,), self._now, self._watch.explain_held
-        )
+            (reference.position,), (self._position,), self._now,
+            self._watch.explain_held, self._watch.drives,
+        )  # fmt: skip
 
     def check_still(self, home: PairReference) -> None:
         """See `Mechanism.check_still`."""

@@ -286,6 +286,10 @@ class PairWatch:
             f"chamber has {slow} while both fill, and that of {CHANNELS[1 - k]} {quick}"
         )
 
+    def drives(self, number: int, off: float) -> bool:
+        """Return whether the pressures pull the pair to where it is off its reference, m."""
+        return self._balance.drives(off, number)
+
     def explain_held(self) -> str | None:
         """Return why a pair sticks whose pressures should move it; None: they need not."""
         return self._balance.explain(sticks=True)

@@ -38,6 +38,7 @@ class RodsFollow:
         rods: Quadruple,
         now: float,
         held: Callable[[], str | None],
+        driven: Callable[[int, float], bool],
     ) -> None:
         """Take a cycle's rods, m, and raise if one is not where it should be.
 
@@ -45,14 +46,14 @@ class RodsFollow:
         ----------
         estimate : JointEstimate or None
             Of the controller; None: there is none.
-        rods, now, held
+        rods, now, held, driven
             See `TrackingWatch.check`.
         """
         push = None if estimate is None else estimate.push
         if estimate is None or push is not None:  # nothing is controlled
             self._tracking.restart()
         else:
-            self._tracking.check(estimate.rods, rods, now, held)
+            self._tracking.check(estimate.rods, rods, now, held, driven)
         if push is None:
             self._unpushed.restart()
         else:

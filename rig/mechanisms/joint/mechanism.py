@@ -327,7 +327,8 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
         estimate = None if self.controller is None else self.controller.estimate
-        self._follow.check(estimate, self._rods, self._now, self._watch.explain_held)
+        watch = self._watch
+        self._follow.check(estimate, self._rods, self._now, watch.explain_held, watch.drives)
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""

@@ -173,11 +173,15 @@ class JointWatch:
         cause = self._wires.explain_run(rods, state.pressures, error.rod) if error.ran else None
         cause = cause or self._balance.explain() or self._pressures.suspicion()
         if cause is None:
-            number = next(k for k, pair in enumerate(PAIRS) if error.rod in pair)
-            off = error.value if error.rod == PAIRS[number][0] else -error.value
+            number, off = _pair_of(error.rod, error.value)
             explain = self._balance.explain_gone if error.ran else self._balance.explain_off
             cause = explain(off, number)
         return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def drives(self, rod: int, off: float) -> bool:
+        """Return whether a pair's own pressures pull a rod to where it is off its reference, m."""
+        number, off = _pair_of(rod, off)
+        return self._balance.drives(off, number)
 
     def explain_held(self) -> str | None:
         """Return why a pair sticks whose pressures should move it; None: they need not."""
@@ -239,3 +243,9 @@ class JointWatch:
         give = self._give
         (a, b, c, d), (p, q, r, s) = state.rods, state.pressures
         return a - give * p, b - give * q, c - give * r, d - give * s
+
+
+def _pair_of(rod: int, off: float) -> tuple[int, float]:
+    """Return the number of a rod's pair, and how far the pair is off if the rod is, m."""
+    number = next(k for k, pair in enumerate(PAIRS) if rod in pair)
+    return number, off if rod == PAIRS[number][0] else -off

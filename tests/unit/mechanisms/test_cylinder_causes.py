@@ -438,3 +438,10 @@ def test_chambers_that_differ_by_less_than_half_of_what_seals_take_moved_nothing
     pulls = rods.watch._history[-1].pulls
     rods.watch._sliding = abs(pulls[1] - pulls[0])
     assert rods.watch.explain(error) is not error, "just so much may move it"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_pair_is_driven_to_where_its_pressures_pull_it(sign):
+    watch = pulled(32, sign * 150e3).watch
+    assert watch.drives(0, sign * 5e-3)
+    assert not watch.drives(0, -sign * 5e-3)

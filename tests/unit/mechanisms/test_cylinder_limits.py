@@ -151,15 +151,18 @@ def test_the_rods_may_disagree_by_the_limit_and_not_by_more(sign):
 def test_while_no_chamber_pulls_the_carriage_may_have_been_pushed():
     """Below half of the breakaway force at the pistons a wire may be slack."""
     taut = 0.5 * pair_settings().friction.breakaway / pair_settings().area
-    for one, pushed in ((BASE, False), (taut, False), (taut - 1.0, True), (0.0, True)):
+    full, empty = taut + 1.0, taut - 1.0
+    for pressures, pushed in (
+        ((BASE, BASE), False), ((full, full), False), ((full, empty), True), ((empty, full), True),
+    ):  # fmt: skip
         bench = PairBench()
-        bench.regulators.reads = (one, one)
+        bench.regulators.reads = pressures
         bench.cycle(0.0)
         bench.place(MISMATCH + TINY, MISMATCH + TINY)
         with pytest.raises(LimitExceeded) as caught:
             bench.cycle(PERIOD)
         words = "; or the carriage was pushed while its wires were slack)"
-        assert caught.value.quantity.endswith(words) is pushed, one
+        assert caught.value.quantity.endswith(words) is pushed, pressures
 
 
 @pytest.mark.parametrize("frozen", ["agonist", "antagonist"])

@@ -273,3 +273,18 @@ def test_an_encoder_that_complains_while_another_rod_runs_saw_a_push(other, sign
         found = str(bench.joint.explain(error, state))
         words = "the ring was pushed or struck: other rods run with it"
         assert found.startswith(words) is pushed, found
+
+
+@pytest.mark.parametrize("rod", range(4))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_rod_is_driven_by_the_pressures_of_its_pair(rod, side):
+    """The one that has more pressure comes in, and takes the opposite one out."""
+    told = Rods()
+    pressures = [BASE] * 4
+    pressures[rod if side > 0.0 else (rod + 2) % 4] += 100e3
+    for k in range(40):
+        told.watch._balance.note(k * PERIOD, UPRIGHT, tuple(pressures))
+    for other in range(4):
+        same = other in (rod, (rod + 2) % 4)
+        assert told.watch.drives(other, side if other == rod else -side) is same
+        assert not told.watch.drives(other, -side if other == rod else side)

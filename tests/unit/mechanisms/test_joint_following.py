@@ -18,8 +18,12 @@ def nobody_knows():
     return None
 
 
-def follow(watched, estimate, rods, now, held=nobody_knows):
-    watched.check(estimate, rods, now, held)
+def nobody_drives(rod, off):
+    return False
+
+
+def follow(watched, estimate, rods, now, held=nobody_knows, driven=nobody_drives):
+    watched.check(estimate, rods, now, held, driven)
 
 
 def test_a_led_rod_must_follow_and_one_that_nobody_leads_need_not():
@@ -69,6 +73,14 @@ def test_a_pair_that_nothing_pushes_stands_as_long_as_the_other_is_pushed(leave)
     else:
         follow(watched, LED if leave == "controller" else None, UPRIGHT, 0.3)
     follow(watched, PUSHED, gone, 0.301)
+
+
+def test_who_drives_a_rod_is_asked_for():
+    watched, asked = RodsFollow(SETTINGS), []
+    far = off(UPRIGHT, 2, 2.5 * SETTINGS.limits.following)
+    follow(watched, LED, UPRIGHT, 0.0)
+    follow(watched, LED, far, 0.001, driven=lambda rod, off: asked.append(rod) or True)
+    assert asked == [1]
 
 
 def test_nothing_moves_while_chambers_fill_and_a_swing_is_suspected():

@@ -296,6 +296,19 @@ def test_each_pair_is_asked_after_by_its_number(off, weak):
     assert f"the chamber of {'ch3' if off > 0.0 else 'ch1'} leaks" in gone
 
 
+def test_a_pair_is_driven_where_its_pressures_pull_it_beyond_its_friction():
+    watch = two_pairs()
+    assert watch.drives(5e-3, 1)
+    assert not watch.drives(-5e-3, 1)
+    assert not watch.drives(5e-3, 0) and not watch.drives(-5e-3, 0)
+    edge = PLAIN.coulomb / AREA
+    for pull, driven in ((edge * (1.0 + 1e-9), True), (edge * (1.0 - 1e-9), False)):
+        for side in (1.0, -1.0):
+            pressures = (300e3 + side * pull, 300e3, 300e3, 300e3)
+            assert told(balance(), *pressures).drives(side * 1e-3, 0) is driven
+    assert not balance().drives(1e-3, 0), "nothing was seen"
+
+
 def test_before_anything_was_seen_nothing_is_said_of_what_is_off():
     balance = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
     assert balance.explain_off(1e-3) is None

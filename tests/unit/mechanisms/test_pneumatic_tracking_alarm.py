@@ -227,6 +227,24 @@ def test_who_has_gone_half_of_what_is_too_much_by_itself_has_not_lagged(side):
         assert (found.value, found.upper) == (side * error, 2.0)
 
 
+def test_what_its_own_pressures_have_driven_off_is_left_to_the_swings():
+    """They are asked once: a loop that swings pulls back before it has come back."""
+    asked = []
+
+    def driven(k, error):
+        asked.append((k, error))
+        return len(asked) == 1
+
+    alarm = OscillationAlarm(amplitude=100.0, lost=10.0)
+    watched = watch(following=2.0, alarm=alarm, names=("a", "b"))
+    for t, here in ((0.0, 0.25), (0.25, -4.5), (0.5, -5.0), (0.75, 0.25)):
+        watched.check((0.0, 0.25), (0.0, here), t, driven=driven)
+    assert asked == [(1, -4.75)]
+    with pytest.raises(Strayed):
+        watched.check((0.0, 0.25), (0.0, 5.0), 1.0, driven=driven)
+    assert asked[1:] == [(1, 4.75)], "it had come back, and is asked after again"
+
+
 def test_an_error_of_nobody_in_particular_is_that_of_the_first_and_has_lagged():
     plain = Strayed("following error", 1.0, -0.5, 0.5, "m")
     assert (plain.rod, plain.ran) == (0, False)

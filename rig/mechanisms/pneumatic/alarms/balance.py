@@ -189,6 +189,15 @@ class PullBalance:
             return None
         return f"{self._blame(off, pair)}{_STUCK}: it stays off though {against:.0f} N pull it back"
 
+    def drives(self, off: float, pair: int) -> bool:
+        """Return whether a pair's own pressures pull it to where it is off, beyond its friction.
+
+        Parameters as `explain_off`.
+        """
+        late = _late(self._instants(self._pairs[pair]))
+        pull = sum(instant.pull for instant in late) / len(late) if late else 0.0
+        return math.copysign(1.0, off) * pull > self._friction.coulomb
+
     def explain_gone(self, off: float, pair: int) -> str:
         """Return why a pair has run off its reference by itself; parameters as `explain_off`."""
         return self._blame(off, pair)

@@ -245,7 +245,7 @@ class PressureWatch:
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
-            f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):g} s]"
+            f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):.3g} s]"
         )
 
     def _raise_strange(self) -> None:

@@ -141,6 +141,8 @@ class TrackingWatch:
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed: list[tuple[float, float] | None] = [None] * len(self._names)
         """When each was last near enough, s, and where it was, m."""
+        self._driven = [False] * len(self._names)
+        """Whether each was found to have been driven off since then."""
         self._rests = [RodRests() for _ in self._names]
 
     def check(
@@ -149,6 +151,7 @@ class TrackingWatch:
         measured: Sequence[float],
         now: float,
         held: Callable[[], str | None] = lambda: None,
+        driven: Callable[[int, float], bool] = lambda k, error: False,
     ) -> None:
         """Take a cycle's positions, m, and raise if one swings or does not follow.
 
@@ -161,6 +164,9 @@ class TrackingWatch:
         held : callable
             Returns why something sticks that should move, if it is known: asked before an error
             has lasted for as long as is permitted.
+        driven : callable
+            Takes the number of a rod and how far it is off, m; returns whether its own pressures
+            have driven it there, as a loop does that swings. That has a name of its own.
 
         Raises
         ------
@@ -179,8 +185,9 @@ class TrackingWatch:
             followed = self._followed[k]
             if -following <= error <= following or followed is None:
                 self._followed[k] = now, measured[k]
+                self._driven[k] = False
             else:
-                self._check_far(k, error, measured[k], now, followed, held)
+                self._check_far(k, error, measured[k], now, followed, held, driven)
             frequency = swings.update(goal, error, now)
             if frequency is not None:
                 raise SafetyError(
@@ -197,14 +204,17 @@ class TrackingWatch:
         now: float,
         followed: tuple[float, float],
         held: Callable[[], str | None],
+        driven: Callable[[int, float], bool],
     ) -> None:
         """Raise if a rod that is too far off has run there, or is so for too long."""
         since, left_at = followed
         following, name = self._following, self._names[k]
         way = measured - left_at if error > 0.0 else left_at - measured
-        if abs(error) > 2.0 * following and way > following:
-            what = f"following error of {name} that its own motion brought about"
-            raise self._strayed(what, k, error, 2.0 * following, ran=True)
+        if abs(error) > 2.0 * following and way > following and not self._driven[k]:
+            self._driven[k] = driven(k, error)
+            if not self._driven[k]:
+                what = f"following error of {name} that its own motion brought about"
+                raise self._strayed(what, k, error, 2.0 * following, ran=True)
         if now - since > self._alarm.lost:
             ran = way > 0.5 * (abs(error) - following)
             what = f"following error of {name} for {now - since:.3g} s"

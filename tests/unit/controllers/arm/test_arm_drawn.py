@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from drawn_cases import draw_geometry, draw_offset_geometry, draw_path, faults_of
+from refused_claims import Refused
 
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
@@ -36,21 +37,28 @@ def judge(law, seeds, draw=draw_geometry):
     """Return what was planned, refused and wrong, by seed."""
     kind, settings, rates, accelerations = LAWS[law]
     planned, refused, wrong = [], [], {}
+
+    def prepare(geometry, path):
+        return kind(settings, geometry, PERIOD).prepare(path)
+
+    def promised_by(path):
+        turns = getattr(path, "turn_rate", 0.0) != 0.0
+        return (2,) if law == "esc-paper" and not turns else rates
+
     for seed in seeds:
         rng = np.random.default_rng((2, seed))
         geometry = draw(rng)
         path = draw_path(rng, geometry)
         try:
-            plan = kind(settings, geometry, PERIOD).prepare(path)
+            plan = prepare(geometry, path)
         except InfeasibleMotion as error:
             refused.append(seed)
-            if not str(error).strip().endswith("."):
-                wrong[seed] = str(error)
+            told = Refused(prepare, geometry, path, str(error), promised_by, accelerations)
+            if false := told.false_claim():
+                wrong[seed] = false
             continue
         planned.append(seed)
-        promised = rates
-        if law == "esc-paper" and getattr(path, "turn_rate", 0.0) == 0.0:
-            promised = (2,)
+        promised = promised_by(path)
         keeps_path = law not in RIVALS
         faults = faults_of(geometry, path, plan, promised, accelerations, keeps_path=keeps_path)
         if faults:
