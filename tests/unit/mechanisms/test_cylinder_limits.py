@@ -153,7 +153,7 @@ def test_while_no_chamber_pulls_the_carriage_may_have_been_pushed():
     taut = 0.5 * pair_settings().friction.breakaway / pair_settings().area
     full, empty = taut + 1.0, taut - 1.0
     for pressures, pushed in (
-        ((BASE, BASE), False), ((full, full), False), ((full, empty), True), ((empty, full), True),
+        ((BASE, BASE), False), ((taut, taut), False), ((full, empty), True), ((empty, full), True),
     ):  # fmt: skip
         bench = PairBench()
         bench.regulators.reads = pressures

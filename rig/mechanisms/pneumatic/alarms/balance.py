@@ -195,7 +195,9 @@ class PullBalance:
         Parameters as `explain_off`.
         """
         late = _late(self._instants(self._pairs[pair]))
-        pull = sum(instant.pull for instant in late) / len(late) if late else 0.0
+        if not late:
+            return False
+        pull = sum(instant.pull for instant in late) / len(late)
         return math.copysign(1.0, off) * pull > self._friction.coulomb
 
     def explain_gone(self, off: float, pair: int) -> str:

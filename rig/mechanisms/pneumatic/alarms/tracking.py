@@ -141,8 +141,8 @@ class TrackingWatch:
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed: list[tuple[float, float] | None] = [None] * len(self._names)
         """When each was last near enough, s, and where it was, m."""
-        self._driven = [False] * len(self._names)
-        """Whether each was found to have been driven off since then."""
+        self._driven: set[int] = set()
+        """Which of them were found to have been driven off since then."""
         self._rests = [RodRests() for _ in self._names]
 
     def check(
@@ -185,7 +185,7 @@ class TrackingWatch:
             followed = self._followed[k]
             if -following <= error <= following or followed is None:
                 self._followed[k] = now, measured[k]
-                self._driven[k] = False
+                self._driven.discard(k)
             else:
                 self._check_far(k, error, measured[k], now, followed, held, driven)
             frequency = swings.update(goal, error, now)
@@ -210,11 +210,11 @@ class TrackingWatch:
         since, left_at = followed
         following, name = self._following, self._names[k]
         way = measured - left_at if error > 0.0 else left_at - measured
-        if abs(error) > 2.0 * following and way > following and not self._driven[k]:
-            self._driven[k] = driven(k, error)
-            if not self._driven[k]:
+        if abs(error) > 2.0 * following and way > following and k not in self._driven:
+            if not driven(k, error):
                 what = f"following error of {name} that its own motion brought about"
                 raise self._strayed(what, k, error, 2.0 * following, ran=True)
+            self._driven.add(k)
         if now - since > self._alarm.lost:
             ran = way > 0.5 * (abs(error) - following)
             what = f"following error of {name} for {now - since:.3g} s"

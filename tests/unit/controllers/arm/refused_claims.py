@@ -70,11 +70,13 @@ class Refused:
 
 
 def _rate(refused, joint, need, limit):
-    j, geometry = int(joint) - 1, refused.geometry
-    if not math.isclose(limit, geometry.rate_limits[j], rel_tol=1e-3):
+    if not math.isclose(limit, refused.geometry.rate_limits[int(joint) - 1], rel_tol=1e-3):
         return "another limit"
-    if not need > limit:
-        return "no excess"
+    return _fits(refused) if need > limit else "no excess"
+
+
+def _fits(refused, *_):
+    """Do what a refusal names."""
     speed = re.search(rf"; at (?:a rate of )?{_NUMBER} (?:m/s|rad/s)", refused.message)
     if speed is None:
         return None if "no speed was found" in refused.message else "no speed is named"
@@ -88,12 +90,13 @@ def _rate(refused, joint, need, limit):
     if _duration(named) > _LONG:
         return ""  # of so slow a motion nothing is tried here
     try:
-        plan = refused.prepare(geometry, named)
+        plan = refused.prepare(refused.geometry, named)
     except InfeasibleMotion as error:
         return f"at what it names it does not fit ({error})"
     promised = refused.rates(named)
-    faults = faults_of(geometry, named, plan, promised, refused.accelerations, keeps_path=False)
-    return ", ".join(faults)
+    return ", ".join(
+        faults_of(refused.geometry, named, plan, promised, refused.accelerations, keeps_path=False)
+    )
 
 
 def _duration(path):
@@ -147,20 +150,37 @@ def _out_of_reach(refused, distance, nearest, farthest):
     geometry, path = refused.geometry, refused.path
     if nearest <= distance <= farthest:
         return "it is within"
-    plain = not (geometry.elbow_offset or geometry.shoulder_offset)
+    plain = not (geometry.elbow_offset or geometry.shoulder_offset or geometry.a1)
     if plain and abs(farthest - geometry.a2 - geometry.a3) > 0.011:
         return "another reach"
-    if not isinstance(path, Line) or path.shoulder_distance is not None:
+    if not (plain and isinstance(path, Line) and path.shoulder_distance is None):
         return ""
+    gone = re.search(rf"after {_NUMBER} m of {_NUMBER} m the path leaves", refused.message)
+    own = _wrist_distance(geometry, path, float(gone[1]) if gone else 0.0)
+    if abs(own - distance) > (1e-6 if gone is None else 1e-3):
+        return f"it is {own:.9f} m away"
+    worst = re.search(
+        rf"farthest outside after {_NUMBER} m of .*, by {_NUMBER} mm", refused.message
+    )
+    if worst is None:
+        return ""
+    own = _wrist_distance(geometry, path, float(worst[1]))
+    outside = 1e3 * max(own - farthest, nearest - own)
+    return (
+        ""
+        if math.isclose(outside, float(worst[2]), rel_tol=0.02, abs_tol=0.01)
+        else (f"it is {outside:.4g} mm outside there")
+    )
+
+
+def _wrist_distance(geometry, path, gone):
+    """Return how far the wrist is from the shoulder, m, where the hand has gone so far."""
     hand, tool = hand_of(geometry, path.middle)
     along = np.array(path.direction) / np.linalg.norm(path.direction)
-    hand = hand - path.before * along
-    tool = _about(path.axis, -path.turn_rate * path.before / path.speed) @ tool
+    hand = hand + (gone - path.before) * along
+    tool = _about(path.axis, path.turn_rate * (gone - path.before) / path.speed) @ tool
     wrist = hand - tool @ np.array((0.0, 0.0, geometry.d6))
-    if not plain or geometry.a1:
-        return ""
-    own = np.linalg.norm(wrist - np.array((0.0, 0.0, geometry.base_height)))
-    return "" if abs(own - distance) < 1e-6 else f"it is {own:.9f} m away"
+    return np.linalg.norm(wrist - np.array((0.0, 0.0, geometry.base_height)))
 
 
 def _about(axis, angle):
@@ -204,6 +224,7 @@ def _deep_region(refused, distance, depth):
 
 _KINDS = (
     (rf"q(\d) would need {_NUMBER} rad/s, beyond its limit of {_NUMBER} rad/s", _rate),
+    (rf"the hand would be {_NUMBER} mm off its path", _fits),
     (rf"q(\d) would be at {_NUMBER} rad, outside its range of {_NUMBER} to {_NUMBER} rad", _range),
     ("there is no such region", _no_region),
     ("the arm starts at the wrist's singularity", _wrist_at_start),
