@@ -307,7 +307,7 @@ def test_a_pair_is_driven_where_its_pressures_pull_it_beyond_its_friction():
         for side in (1.0, -1.0):
             pressures = (300e3 + side * pull, 300e3, 300e3, 300e3)
             assert told(balance(), *pressures).drives(side * 1e-3, 0) is driven
-    assert not balance().drives(1e-3, 0), "nothing was seen"
+    assert balance().drives(1e-3, 0) is False, "nothing was seen"
 
 
 def test_before_anything_was_seen_nothing_is_said_of_what_is_off():
