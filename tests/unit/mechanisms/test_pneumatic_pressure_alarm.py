@@ -379,8 +379,22 @@ def test_what_nobody_asked_to_move_has_less_time_than_what_was_asked(way):
     """A pressure that falls by itself throws its pair before a step's time is over."""
     still = Bench(unasked=3 * STEP)
     still.pass_by(3, ch3=way)
-    with pytest.raises(SafetyError, match=f"ch3 .* at most 40 kPa for {3 * STEP:g} s"):
+    with pytest.raises(SafetyError, match=f"ch3.* at most 40 kPa for {3 * STEP:.3g} s"):
         still.pass_by(1, ch3=way)
-    asked = Bench(unasked=3 * STEP)
-    asked.watch.send((START, START, START - way, START))
-    asked.pass_by(5, ch3=way)
+    for share, patient in ((-1.0, True), (0.75, True), (0.4, False), (-0.4, False)):
+        asked = Bench(unasked=3 * STEP)
+        asked.watch.send((START, START, START + share * DEVIATION, START))
+        if patient:
+            asked.pass_by(5, ch3=way)
+            continue
+        with pytest.raises(SafetyError, match=f"at most 40 kPa for {3 * STEP:.3g} s"):
+            asked.pass_by(5, ch3=way)
+
+
+def test_who_has_been_off_beyond_its_own_time_for_longest_is_named():
+    """One whose setpoint stands is over its time before one that was off sooner."""
+    bench = Bench(time=20 * STEP, unasked=2 * STEP)
+    bench.watch.send((START, START - DEVIATION, START, START))
+    bench.pass_by(2, ch2=60e3)
+    with pytest.raises(SafetyError, match=r"\[ch4: .* for 0\.00195 s\]"):
+        bench.pass_by(3, ch2=60e3, ch4=60e3)
