@@ -85,7 +85,7 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
         return ""
     of = [place for place in places if place.target == places[0].target]
     numbers = [f"{p.number:g} {p.names[0]}" for p in of if p.number is not None]
-    return f"{setting}; value: {', '.join(numbers)}" if numbers else setting
+    return f"{setting}  # value: {', '.join(numbers)}" if numbers else setting
 
 
 @faults.command("run")

@@ -185,7 +185,7 @@ def test_every_fault_of_a_rig_is_listed():
     assert {"wire_cut", "regulator_slow", "setpoints_late", "program_killed"} <= names
     assert all(entry["what"] and entry["where"] for entry in listed)
     settings = {entry["fault"]: entry["in simulation.faults"] for entry in listed}
-    assert settings["wire_cut"].endswith("value: 0}; value: 0 agonist, 1 antagonist")
+    assert settings["wire_cut"].endswith("value: 0}  # value: 0 agonist, 1 antagonist")
     assert settings["leak"].endswith("value: …}"), "how much is no number of a channel"
 
 
