@@ -34,7 +34,7 @@ def test_a_pressure_may_be_off_by_the_deviation_for_ever(channel, sign):
 def test_the_message_has_the_numbers_and_their_bounds():
     assert Bench().what(ch3=50e3) == (
         "valves: the regulator of ch3 is stuck open: its pressure rises [ch3: 250 kPa, setpoint "
-        "200 kPa, +50 kPa off a healthy regulator for 0.017 s, at most 40 kPa for 0.015625 s]"
+        "200 kPa, +50 kPa off a healthy regulator for 0.017 s, at most 40 kPa for 0.0156 s]"
     )
 
 

@@ -248,7 +248,7 @@ def test_monitor_noise_is_small_and_white():
     ("fault", "value", "message"),
     [
         ("burst", None, "no fault 'burst'; known are regulator_stuck"),
-        ("leak", 2.0, "channel 0 or 1, not 2"),
+        ("leak", 2.0, r"0 \(agonist\), 1 \(antagonist\); not 2"),
         ("supply_lost", -1.0, "-1 Pa"),
         ("supply_lost", math.nan, "nan Pa"),
         ("wire.leak", 1e-9, "no fault 'wire.leak'"),
