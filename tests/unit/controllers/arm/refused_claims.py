@@ -110,7 +110,7 @@ def _duration(path):
 
 def _range(refused, joint, value, low, high):
     j, path = int(joint) - 1, refused.path
-    if low <= value <= high:
+    if low + 1e-4 < value < high - 1e-4:  # it is told in four digits
         return "it is inside"
     begins = "after 0.000 s" in refused.message and not isinstance(path, Circle | Line)
     if begins and abs(path.start[j] - value) > 1e-4:
@@ -183,6 +183,18 @@ def _wrist_distance(geometry, path, gone):
     return np.linalg.norm(wrist - np.array((0.0, 0.0, geometry.base_height)))
 
 
+def _beside_shoulder(refused, distance, offset):
+    if abs(offset - abs(refused.geometry.shoulder_offset)) > 1e-5:
+        return "another offset"
+    return "" if distance <= offset + 1e-6 else "it is beyond"
+
+
+def _needs_plain_arm(refused, value):
+    lengths = (refused.geometry.a1, refused.geometry.shoulder_offset, refused.geometry.elbow_offset)
+    named = any(abs(value - length) < 1e-5 for length in lengths)
+    return "" if named and isinstance(refused.path, Circle) else "the arm has none"
+
+
 def _about(axis, angle):
     """Return a rotation about any axis (Rodrigues)."""
     x, y, z = np.array(axis) / np.linalg.norm(axis)
@@ -233,6 +245,14 @@ _KINDS = (
         rf"{_NUMBER} m",
         _out_of_reach,
     ),
+    (
+        rf"wrist centre is {_NUMBER} m from the axis of q1, within the shoulder's offset of "
+        rf"{_NUMBER} m",
+        _beside_shoulder,
+    ),
+    (rf"singularity needs an arm without .*; this one's is {_NUMBER}", _needs_plain_arm),
+    # Of branches nothing is re-derived.
+    ("meets the elbow's singularity .* beyond which it is not reached", lambda refused: ""),
     ("would stop and reverse the arm in the region", _reversing_dwell),
     (rf"starts inside the region: \|S3\| = {_NUMBER} at the start", _inside_region),
     (rf"its wrist is {_NUMBER} m from the boundary, the region is {_NUMBER} m deep", _deep_region),
