@@ -11,8 +11,8 @@ from controllers.arm.paths import Circle, DwellLine, Line
 from controllers.motion import InfeasibleMotion
 
 _NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
-_LONGEST = 1800.0
-"""s: a motion that takes longer is not tried by who refuses …"""
+_LONGEST = 600.0
+"""s: a motion that takes longer, sixty thousand periods, is not tried by who refuses …"""
 _LONG = 30.0
 """… nor here one that takes longer than this: its samples would take minutes."""
 
@@ -89,10 +89,17 @@ def _fits(refused, *_):
         return None if float(untried[1]) > _LONGEST else "it could have been tried"
     if _duration(named) > _LONG:
         return ""  # of so slow a motion nothing is tried here
+    _, too, other = refused.message.partition("it would be refused, too: ")
     try:
         plan = refused.prepare(refused.geometry, named)
     except InfeasibleMotion as error:
+        if too:
+            return (
+                "" if other.split(" ")[3:5] == str(error).split(" ")[3:5] else "for another reason"
+            )
         return f"at what it names it does not fit ({error})"
+    if too:
+        return "it is not refused there"
     promised = refused.rates(named)
     return ", ".join(
         faults_of(refused.geometry, named, plan, promised, refused.accelerations, keeps_path=False)
