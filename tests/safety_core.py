@@ -43,7 +43,10 @@ SAFETY_CORE = {
     "rig/mechanisms/pneumatic/alarms/ways.py": ("mechanisms/test_pneumatic_pressure_ways.py",),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
     "rig/mechanisms/pneumatic/alarms/rests.py": ("mechanisms/test_pneumatic_rod_rests.py",),
-    "rig/mechanisms/pneumatic/alarms/tracking.py": ("mechanisms/test_pneumatic_tracking_alarm.py",),
+    "rig/mechanisms/pneumatic/alarms/tracking.py": (
+        "mechanisms/test_pneumatic_straying.py",
+        "mechanisms/test_pneumatic_tracking_alarm.py",
+    ),
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),
     "rig/mechanisms/pneumatic/alarms/balance.py": ("mechanisms/test_pneumatic_pull_balance.py",),
     "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),

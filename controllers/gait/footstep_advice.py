@@ -151,7 +151,7 @@ def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> tuple
         its = _rounded(moved)
         return replace(asked, x=its.x, y=its.y, height=its.height)
 
-    low, high = 0, next((mm for mm in _FARTHER if fits(at(mm))), 0)
+    high = next((mm for mm in _FARTHER if fits(at(mm))), 0)
     if not high:
         return "", False
     low = max((mm for mm in _FARTHER if mm < high), default=0)
