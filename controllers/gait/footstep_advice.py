@@ -66,7 +66,7 @@ def advise(
     """
     if isinstance(error, TwoHeights):
         level = _on_ground_before(fits, asked, place, name)
-        return level or _farther(fits, asked, place, name)[0]
+        return level + _farther(fits, asked, place, name)[0]
     if isinstance(error, MeetsGround):
         # A foot that is lifted far more bends its knee and its ankle far more.
         farther, near = _farther(fits, asked, place, name)

@@ -1,13 +1,11 @@
-"""From footprints to the phases of a walk, each step checked for what can be said beforehand."""
+"""From footprints to the phases of a walk: stances, how high the hips may be, shifts and swings."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from controllers.gait.footprints import Footstep, SteppingSettings
-from controllers.gait.footstep_advice import SwingSoles, advise
-from controllers.gait.footstep_checks import BeyondLeg, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.kinematics import Vector
@@ -15,8 +13,6 @@ from controllers.gait.phases import DurationSetting, GaitPhase
 from controllers.gait.turning import Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
-_FOLLOWS = range(5, 85, 5)
-"""How far the waist might follow, mm, where a leg is beyond its ranges."""
 _STAYS = 1e-3
 """m and rad; a foot that goes no farther comes down where it stood."""
 
@@ -60,7 +56,7 @@ class Stance(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Walk:
+class Walk:
     """Footprints with the stances that lead over them."""
 
     stances: tuple[Stance, ...]
@@ -68,59 +64,14 @@ class _Walk:
     end: tuple[Sole, Sole]
 
 
-def plan_footsteps(
-    geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]
-) -> tuple[GaitPhase, ...]:
-    """Return the phases of a walk over footprints.
-
-    Parameters
-    ----------
-    geometry : LegGeometry
-        The legs.
-    settings : SteppingSettings
-        How to walk.
-    steps : sequence of Footstep
-        Where the feet come down.
+def walk_over(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]) -> Walk:
+    """Return the stances that lead over footprints.
 
     Raises
     ------
     InfeasibleMotion
-        A step is out of reach, turns a joint out of its range, or brings the foot against the
-        other one or the edge of where it is to stand; with its number, the number and its bound,
-        and how much of the step would fit.
+        A foot would come down where it stands.
     """
-    walk = _walk(geometry, settings, steps)
-    needs = _needs(geometry, settings, walk)
-    lowest = min(needs, key=lambda need: need.hips)
-    hip = lowest.hips if settings.hip is None else settings.hip
-    phases, numbers = _phases(geometry, settings, steps, walk, hip)
-    for place, (phase, number) in enumerate(zip(phases, numbers, strict=True)):
-        try:
-            check_phase(geometry, phase)
-        except InfeasibleMotion as error:
-            if settings.hip is None and isinstance(error, BeyondLeg):
-                own = min(need.hips for need in needs if need.step in (number, number + 1))
-                higher, _ = _phases(geometry, settings, steps, walk, own)
-                if own > hip and _passes(geometry, higher[place]):
-                    hint = _what_fits(geometry, settings, steps, lowest.step, None, error)
-                    raise InfeasibleMotion(
-                        f"step {lowest.step} needs the hips at {hip * 1e3:.1f} mm over the "
-                        f"standing ankle, which is too low for step {number}: {error}{hint}"
-                    ) from error
-            hint = _what_fits(geometry, settings, steps, number, hip, error)
-            raise InfeasibleMotion(f"step {number}, {error}{hint}") from error
-    return phases
-
-
-def _passes(geometry: LegGeometry, phase: GaitPhase) -> bool:
-    try:
-        check_phase(geometry, phase)
-    except InfeasibleMotion:
-        return False
-    return True
-
-
-def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]) -> _Walk:
     spacing = geometry.hip_half_spacing
     ground = GroundPlane(settings.start_pitch, settings.start_roll)
     lies: Attitude = (settings.start_roll, settings.start_pitch, 0.0)
@@ -148,10 +99,10 @@ def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Foo
         over = (x + c * ahead - s * out, y + s * ahead + c * out, z)
         stances.append(Stance(leg, support, before, after, over, yaw))
         feet[leg] = after
-    return _Walk(tuple(stances), start, (feet[0], feet[1]))
+    return Walk(tuple(stances), start, (feet[0], feet[1]))
 
 
-class _Need(NamedTuple):
+class HipNeed(NamedTuple):
     """The greatest height of the hips that a foot permits.
 
     Parameters
@@ -187,7 +138,7 @@ class _Station(NamedTuple):
     soles: tuple[tuple[int, Sole, int], ...]
 
 
-def _stations(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> list[_Station]:
+def _stations(geometry: LegGeometry, settings: SteppingSettings, walk: Walk) -> list[_Station]:
     """Return the ends of all ways of the waist.
 
     Where the foot that stays behind is farthest, it is the step before that went too far ahead.
@@ -219,13 +170,13 @@ def _stations(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) ->
     return [ends[0], *stances, ends[1]]
 
 
-def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> list[_Need]:
+def hip_needs(geometry: LegGeometry, settings: SteppingSettings, walk: Walk) -> list[HipNeed]:
     """Return how high each foot lets the hips be; the lowest sets the height of the whole walk.
 
     Along a straight way of the waist a hip is farthest from its ankle at an end, so these count.
     """
     reach = geometry.distance(settings.knee_min)
-    needs: list[_Need] = []
+    needs: list[HipNeed] = []
     too_high = ""
     for words, (x, y, height), yaw, soles in _stations(geometry, settings, walk):
         s, c = math.sin(yaw), math.cos(yaw)
@@ -245,18 +196,18 @@ def _needs(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> li
                     f"{words}: hips at {settings.hip * 1e3:.1f} mm over the standing ankle leave "
                     f"the {LEGS[leg]} foot out of reach"
                 )
-            needs.append(_Need(step, most))
+            needs.append(HipNeed(step, most))
     if too_high:
         lowest = math.floor(min(need.hips for need in needs) * 1e4) / 10
         raise InfeasibleMotion(f"{too_high}; at {lowest:.1f} mm all steps would be in reach.")
     return needs
 
 
-def _phases(
+def walk_phases(
     geometry: LegGeometry,
     settings: SteppingSettings,
     steps: Sequence[Footstep],
-    walk: _Walk,
+    walk: Walk,
     hip: float,
 ) -> tuple[tuple[GaitPhase, ...], tuple[int, ...]]:
     """Return the phases, and the number of the step that each belongs to."""
@@ -333,55 +284,3 @@ def _midway(
     x, y, z = (0.5 * (a + b) for a, b in zip(*ankles, strict=True))
     x, y = x + settings.ahead * math.cos(heading), y + settings.ahead * math.sin(heading)
     return (x, y, z + hip)
-
-
-def _what_fits(
-    geometry: LegGeometry,
-    settings: SteppingSettings,
-    steps: Sequence[Footstep],
-    number: int,
-    hip: float | None,
-    error: InfeasibleMotion,
-) -> str:
-    """Say what would fit instead of a step that is refused with an error.
-
-    With hips of a given height all before it is known to, and they are no higher than that.
-    Without, they are as high as the steps up to it let them be, until the other foot has left the
-    ground, and all of these have to fit.
-    """
-    before = list(steps[:number])
-    asked = before.pop()
-    stance = _walk(geometry, settings, [*before, asked]).stances[-1]
-    soles = (stance.support, stance.before, stance.after)
-    support, stood, after = ((sole.at, sole.attitude) for sole in soles)
-    place = SwingSoles(support, stood, after, 2.0 * geometry.side(stance.leg))
-
-    def fits(step: Footstep, follow: float = settings.follow) -> bool:
-        tried = [*before, step, *steps[number : number + 1]]
-        first = 1 if hip is None else number - 1
-        manner = replace(settings, follow=follow)
-        try:
-            walk = _walk(geometry, manner, tried)
-            height = settings.hip
-            if height is None:
-                needs = _needs(geometry, manner, walk)
-                own = min(need.hips for need in needs if need.step <= number)
-                height = own if hip is None else min(own, hip)
-            phases, numbers = _phases(geometry, manner, tried, walk, height)
-            for phase, its in zip(phases, numbers, strict=True):
-                if first <= its <= number:
-                    check_phase(geometry, phase)
-        except InfeasibleMotion:
-            return False
-        return True
-
-    name = f"step {number}" if hip is None else f"step {number} by itself"
-    said = advise(fits, asked, settings.lift, place, name, error)
-    if not said and isinstance(error, BeyondLeg):
-        # The waist may go to meet the foot: then the other leg need not fold so far.
-        wider = (mm for mm in _FOLLOWS if 1e-3 * mm > settings.follow)
-        found = next((mm for mm in wider if fits(asked, 1e-3 * mm)), None)
-        said = f" With follow at {found} mm {name} would fit."
-        if found is None:
-            said = " No part of the step, no lower lift and no waist that follows farther would do."
-    return said

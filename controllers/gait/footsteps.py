@@ -10,7 +10,7 @@ from annotated_types import MaxLen
 from controllers.gait.footprints import MOST_STEPS, Footstep, StepNumbers, SteppingSettings
 from controllers.gait.footstep_file import lines_of_steps, read_footsteps
 from controllers.gait.footstep_numbers import number_footsteps
-from controllers.gait.footstep_phases import plan_footsteps
+from controllers.gait.footstep_plan import plan_footsteps
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.motions import SquatSettings, WalkSettings

@@ -93,12 +93,21 @@ REFUSED = {
         r"step 1, shift 1, 100 % of the way: right_ankle_pitch would be at -60\.779 deg, .* "
         r"deg\. With follow at 40 mm step 1 by itself would fit\.",
     ),
-    "a tread so low that nothing helps": (
+    "a tread so low that no step by itself would do": (
         (
             Footstep("left", 0.1022557, 0.039, height=-0.03),
             Footstep("right", 0.1022557, -0.039, height=-0.03),
         ),
         {"ahead": 0.008, "follow": 0.025, "lift": 0.05},
+        r"right_ankle_pitch would be at -\d+\.\d+ deg, outside -60 … 60 deg\. "
+        r"With follow at \d+ mm, every height times 0\.\d all steps would fit",
+    ),
+    "a tread so low that nothing helps": (
+        (
+            Footstep("left", 0.1022557, 0.039, height=-0.03),
+            Footstep("right", 0.1022557, -0.039, height=-0.03),
+        ),
+        {"ahead": 0.008, "follow": 0.025, "lift": 0.05, "hip": 0.12},
         r"right_ankle_pitch would be at -\d+\.\d+ deg, outside -60 … 60 deg\. No part of",
     ),
     "two heights": (
@@ -163,6 +172,26 @@ def test_what_is_said_to_fit_does_fit(seed):
         else:
             with pytest.raises(InfeasibleMotion):
                 phases(steps=(step,))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_stairs_that_are_said_to_fit_as_a_whole_do_fit(seed):
+    """Too short for the sole, or too steep for the ankle of the foot that stays behind."""
+    rng = np.random.default_rng((2711, seed))
+    down = StepNumbers(
+        count=3, length=rng.uniform(0.082, 0.092), rise=-rng.uniform(0.014, 0.024), together=True
+    )
+    settings = {"ahead": 0.008, "follow": 0.025, "lift": 0.022}
+    with pytest.raises(InfeasibleMotion) as refused:
+        phases(numbers=down, **settings)
+    told = str(refused.value)
+    words = re.search(r"With (?P<what>[^.]*?(?:\.\d+[^.]*)*) all steps would fit", told)
+    assert words, told
+    said = dict(re.findall(r"(follow at|every height times|every x times) ([\d.]+)", words["what"]))
+    flatter, longer = (float(said.get(f"every {of} times", 1.0)) for of in ("height", "x"))
+    settings["follow"] = float(said.get("follow at", 25.0)) / 1e3
+    fits = replace(down, length=down.length * longer, rise=down.rise * flatter)
+    assert phases(numbers=fits, **settings)
 
 
 def test_rates_and_balance_are_refused_with_step_joint_and_instant_and_what_would_do():
