@@ -247,8 +247,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         """Raise if legs that are to walk cannot stand as their encoders say, at `home`."""
         bound = self.settings.start_tilt
         if bound is not None and self.motion is not None:
-            begins = self.motion.at(0.0).positions
-            check_stance(self.settings.geometry, home.positions, begins, bound)
+            check_stance(self.settings.geometry, home.positions, bound)
 
     def read(self, now: float) -> LegsState:
         """Assemble the state of joints and sensors; see `Mechanism.read`."""
