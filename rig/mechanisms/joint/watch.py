@@ -161,6 +161,8 @@ class JointWatch:
             cause = self._balance.explain()
         cause = cause or self._pressures.suspicion()
         if cause is None and isinstance(error, DeviceFault):
+            cause = self._balance.explain_emptied(_pair_of(k, 0.0)[0])
+        if cause is None and isinstance(error, DeviceFault):
             if self._wires.agree(rods):
                 cause = "the ring was pushed or struck: all rods move with it"
             elif self._runs_with(k):

@@ -288,3 +288,18 @@ def test_a_rod_is_driven_by_the_pressures_of_its_pair(rod, side):
         same = other in (rod, (rod + 2) % 4)
         assert told.watch.drives(other, side if other == rod else -side) is same
         assert not told.watch.drives(other, -side if other == rod else side)
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_a_ring_that_runs_because_a_chamber_loses_its_air_was_not_pushed(side):
+    told, each = Rods(), [rods_at(tilt, 0.5 * math.pi * side) for tilt in (0.2, 0.25, 0.3)]
+    weak = int(np.argmin(np.subtract(each[-1], each[0])))
+    for k, rods in enumerate(each):
+        state = told.check(rods)
+        pressures = [BASE] * 4
+        pressures[weak] -= 10e3 * k
+        told.watch._balance.note(1.0 + k * PERIOD, rods, tuple(pressures))
+    for k, encoder in enumerate(ENCODERS):
+        found = str(told.watch.explain(DeviceFault(encoder, "it jumps"), state))
+        leaks = f"the chamber of {CHANNELS[weak]} leaks behind its tube"
+        assert (leaks in found) is (k in (weak, (weak + 2) % 4)), found

@@ -323,3 +323,41 @@ def test_the_rods_of_the_last_cycles_are_kept_in_their_order():
     assert watch.rods == each[-64:]
     watch.restart()
     assert watch.rods == []
+
+
+def ran(out, fall, late=0.02):
+    """Return the balance after a rod has gone out by `out` m while its pressure fell by so much."""
+    watch = balance()
+    rods, pressures = [0.0] * 4, [400e3] * 4
+    watch.note(0.0, tuple(rods), (500e3,) * 4)
+    for k in (0.0, 0.5, 1.0):
+        rods[3], pressures[3] = -out * k, 400e3 - fall * k
+        watch.note(1.0 + late * k, tuple(rods), tuple(pressures))
+    return watch
+
+
+def test_a_chamber_that_loses_air_while_its_rod_is_drawn_out_is_no_push():
+    """Pressed air has more pressure; what was 20 ms before counts, and nothing earlier."""
+    emptied = ran(3e-3, 15.001e3).explain_emptied(1)
+    assert emptied == (
+        "regulators: the chamber of ch4 leaks behind its tube, or its monitor is off, or the ring "
+        "is pushed or held"
+    )
+    assert ran(3e-3, 15.001e3).explain_emptied(0) is None
+    assert ran(3e-3, 15e3).explain_emptied(1) is None
+    assert ran(3e-3, 15.001e3, late=0.021).explain_emptied(1) is None
+    assert ran(0.0, 50e3).explain_emptied(1) is None  # it stands
+    assert ran(-3e-3, 50e3).explain_emptied(1) is None  # the air has more room
+    assert balance().explain_emptied(0) is None
+
+
+def test_of_each_pair_either_chamber_may_lose_its_air():
+    for weak in range(4):
+        watch = balance()
+        for k in (0.0, 1.0):
+            rods, pressures = [0.0] * 4, [400e3] * 4
+            rods[weak], pressures[weak] = -1e-3 * k, 400e3 - 16e3 * k
+            watch.note(0.01 * k, tuple(rods), tuple(pressures))
+        said = watch.explain_emptied(weak % 2)
+        assert f"the chamber of ch{weak + 1} leaks" in said
+        assert watch.explain_emptied(1 - weak % 2) is None

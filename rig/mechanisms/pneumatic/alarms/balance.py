@@ -14,6 +14,8 @@ from rig.mechanisms.pneumatic.settings import SealFriction
 
 _LOOK: Final = 0.02
 """Over this time before a limit was exceeded forces are balanced, s …"""
+_EMPTIED: Final = 15e3
+"""A pressure that falls by so much meanwhile (Pa) as its rod is drawn out has lost air."""
 _KEPT: Final = 64
 """So many cycles are remembered."""
 _ENDS: Final = 0.004
@@ -203,6 +205,25 @@ class PullBalance:
     def explain_gone(self, off: float, pair: int) -> str:
         """Return why a pair has run off its reference by itself; parameters as `explain_off`."""
         return self._blame(off, pair)
+
+    def explain_emptied(self, pair: int) -> str | None:
+        """Return that a chamber of a pair has lost its air, if it falls as its rod is drawn out.
+
+        A push that draws the rod out presses the air in its chamber.
+
+        Parameters
+        ----------
+        pair : int
+            Its number.
+        """
+        late = [entry for entry in self._history if entry[0] >= self._history[-1][0] - _LOOK]
+        if not late:
+            return None
+        (_, rods_then, then), (_, rods_now, now) = late[0], late[-1]
+        for which, sign in zip(self._pairs[pair], (-1.0, 1.0), strict=True):
+            if rods_now[which] < rods_then[which] and then[which] - now[which] > _EMPTIED:
+                return self._blame(sign, pair)
+        return None
 
     def _blame(self, off: float, pair: int) -> str:
         """Return that the chamber that should pull a pair back has less air than it shows."""
