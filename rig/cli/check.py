@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.file_kinds import is_experiment
+from rig.cli.file_kinds import asks_of_experiment, experiment_of_same_name, is_experiment
 from rig.cli.names import complete_config, configs_option, json_option, rig_option, set_option
 from rig.cli.on_option import OnBackend
 from rig.cli.tables import print_json, print_tables
@@ -117,13 +117,20 @@ def load(
     from rig.config.names import find_configs
 
     search = find_configs(configs)
-    if is_experiment(source, search):
+    other = experiment_of_same_name(source, search)
+    meant = other is not None and (rig is not None or asks_of_experiment(overrides))
+    if meant or is_experiment(source, search):
         from rig.experiment.plan import load_plan
 
         plan = load_plan(source, overrides, rig=rig, configs=configs)
         return plan.profile, plan
     if rig is not None:
         raise click.UsageError(f"{source} is a rig; --rig goes with an experiment")
+    if other is not None:
+        click.echo(
+            f"{source} is a rig and an experiment; this is the rig, and {other} the experiment",
+            err=True,
+        )
     from rig.assembly import REGISTRY, check_profile
     from rig.config import load_profile
 

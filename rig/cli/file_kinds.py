@@ -48,6 +48,20 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")
 
 
+def experiment_of_same_name(source: str, search: Sequence[Path]) -> Path | None:
+    """Return the file of the experiment that is called as a rig is; None: it is no name of both."""
+    from rig.config.names import list_files
+
+    both = source in list_files("rigs", search)
+    return list_files("experiments", search).get(source) if both else None
+
+
+def asks_of_experiment(overrides: Sequence[str]) -> bool:
+    """Return whether a setting that is to be overridden is one that only experiments have."""
+    keys = (re.split(r"[.=]", override, maxsplit=1)[0] for override in overrides)
+    return any(_EXPERIMENT_KEY.match(f"{key}:") for key in keys)
+
+
 def is_rig(source: str, search: Sequence[Path]) -> bool:
     """Return whether a text surely means a rig: by its name, or by a file with keys of one."""
     from rig.config.names import is_path, list_files

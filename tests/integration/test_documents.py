@@ -169,3 +169,20 @@ def test_figures_are_what_their_commands_make(part):
         check=False, capture_output=True, text=True,
     )  # fmt: skip
     assert made.returncode == 0, made.stdout + made.stderr
+
+
+def test_the_page_of_laws_has_every_motion_of_arm_and_legs():
+    page = (ROOT / ".readme" / "laws.md").read_text()
+    names = [path.stem for path in (ROOT / "configs/experiments").glob("*.yaml")]
+    asked = sorted(name for name in names if name.startswith(("arm-", "legs-")))
+    assert re.findall(r"^## (\S+)$", page, re.M) == asked
+
+
+@pytest.mark.slow
+def test_the_tables_of_laws_are_what_a_comparison_measures():
+    """All take a quarter of an hour: ``python .readme/laws.py --check``."""
+    made = subprocess.run(
+        [sys.executable, ROOT / ".readme" / "laws.py", "--check", "arm-wrist-hit"],
+        check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert made.returncode == 0, made.stdout + made.stderr

@@ -189,7 +189,8 @@ class PullBalance:
         against = -pull if off > 0.0 else pull
         if not against > self._friction.coulomb:
             return None
-        return f"{self._blame(off, pair)}{_STUCK}: it stays off though {against:.0f} N pull it back"
+        blamed = self._blame(self._pulls_back(off, pair))
+        return f"{blamed}{_STUCK}: it stays off though {against:.0f} N pull it back"
 
     def drives(self, off: float, pair: int) -> bool:
         """Return whether a pair's own pressures pull it to where it is off, beyond its friction.
@@ -204,7 +205,7 @@ class PullBalance:
 
     def explain_gone(self, off: float, pair: int) -> str:
         """Return why a pair has run off its reference by itself; parameters as `explain_off`."""
-        return self._blame(off, pair)
+        return self._blame(self._pulls_back(off, pair))
 
     def explain_emptied(self, pair: int) -> str | None:
         """Return that a chamber of a pair has lost its air, if it falls as its rod is drawn out.
@@ -220,18 +221,21 @@ class PullBalance:
         if not late:
             return None
         (_, rods_then, then), (_, rods_now, now) = late[0], late[-1]
-        for which, sign in zip(self._pairs[pair], (-1.0, 1.0), strict=True):
-            if rods_now[which] < rods_then[which] and then[which] - now[which] > _EMPTIED:
-                return self._blame(sign, pair)
+        for weak in self._pairs[pair]:
+            if rods_now[weak] < rods_then[weak] and then[weak] - now[weak] > _EMPTIED:
+                return self._blame(weak)
         return None
 
-    def _blame(self, off: float, pair: int) -> str:
-        """Return that the chamber that should pull a pair back has less air than it shows."""
+    def _pulls_back(self, off: float, pair: int) -> int:
+        """Return which chamber should pull a pair back that is off."""
         one, other = self._pairs[pair]
-        weak = self._channels[other if off > 0.0 else one]
+        return other if off > 0.0 else one
+
+    def _blame(self, weak: int) -> str:
+        """Return that a chamber has less air than it shows."""
         return (
-            f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held"
+            f"{self._device}: the chamber of {self._channels[weak]} leaks behind its tube, or its "
+            f"monitor is off, or {self._moved} is pushed or held"
         )
 
     def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
