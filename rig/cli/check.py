@@ -127,10 +127,7 @@ def load(
     if rig is not None:
         raise click.UsageError(f"{source} is a rig; --rig goes with an experiment")
     if other is not None:
-        click.echo(
-            f"{source} is a rig and an experiment; this is the rig, and {other} the experiment",
-            err=True,
-        )
+        click.echo(f"{source} is a rig; an experiment of that name is {other}", err=True)
     from rig.assembly import REGISTRY, check_profile
     from rig.config import load_profile
 

@@ -34,7 +34,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         )
         for line in (
             "against = -pull if off > 0.0 else pull",
-            "weak = self._channels[other if off > 0.0 else one]",
+            "return other if off > 0.0 else one",
         )
     ),
     *(
