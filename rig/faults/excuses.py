@@ -21,8 +21,8 @@ _HOLDS = 50e3
 """Pa gauge: what is in a chamber that pulls more than its seals hold."""
 TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
-_OVERPOWERING_WIRES = 2.0
-"""N s, 20 N for a tenth of a second: as much as chambers can pull that have 110 kPa to give."""
+_OVERPOWERING_WIRES = 2.0 / 110e3
+"""N s for each pascal that a chamber has to give: 20 N for a tenth of a second from 110 kPa."""
 
 
 def lets_fall(plight: Plight) -> frozenset[str]:
@@ -79,8 +79,9 @@ def overpowers_wires(plight: Plight) -> frozenset[str]:
     Empty ones hold nothing, and a rod that is thrown in compresses what is in its chamber.
     """
     pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
-    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES
-    is_thrown = too_much or min(pressures) < _HOLDS
+    weakest = min(pressures)
+    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES * weakest
+    is_thrown = too_much or weakest < _HOLDS
     return ON_A_WIRE | {"energy left"} if is_thrown else frozenset()
 
 

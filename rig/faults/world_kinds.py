@@ -345,9 +345,9 @@ SURROUNDINGS = (
                    _rides_up_to(HARMLESS_HAND_PUSH), 1.0,
                    ("pushed", "speed of", "position of the pair", "tilt"),
                    magnitude=Magnitudes(0.05, 10.0, "N s", signed=True), excuses=overpowers_wires,
-                   why="nothing measures a push; what it moves the wires bring back, up to 2 N s: "
-                   "20 N are all that a chamber of 110 kPa has to give, and one of less than "
-                   "50 kPa holds nothing")
+                   why="nothing measures a push; what it moves the wires bring back: up to "
+                   "2 N s, 20 N for a tenth of a second, from chambers of 110 kPa, which have no "
+                   "more to give, less from less pressure, and nothing under 50 kPa")
         for part, body in (("carriage", "pair's carriage"), ("ring", "joint's ring"))
     ),
     FaultKind(name="floor_slips", what="The floor loses its grip for a while.",
