@@ -10,6 +10,7 @@ from controllers.arm.kinematics import dimensions_of
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rehearsal import rehearse
+from controllers.arm.paths import TurnBack
 from controllers.arm.plan import ArmPlan, OutOfRange, Sample, make_plan
 from controllers.arm.pose_path import PosePath
 from controllers.arm.promises import Promises, TooFast, check_promises
@@ -30,6 +31,9 @@ _SLOWEST = 1e9
 """Times as long beyond which no speed is looked for."""
 _TRIED = 60_000
 """Cycles of a slower motion beyond which it is not tried: that would take longer than one waits."""
+
+_SHORTEST = 1e-6
+"""A path takes the hand so far at least, m or rad, or leaves it where it is."""
 
 
 class MotionEnd:
@@ -67,6 +71,22 @@ def collected(motion: Motion, period: float, longest: float) -> list[Sample]:
         check_length(len(samples) * period, longest)
         samples.append(sample)
     return samples
+
+
+def _check_extent(trajectory: Trajectory) -> None:
+    """Raise if a path is too short to be one: rounding would decide where it leads.
+
+    Raises
+    ------
+    InfeasibleMotion
+        With its length and the shortest.
+    """
+    way, turn = (
+        abs(rate) * trajectory.duration for rate in (trajectory.speed, trajectory.turn_rate)
+    )
+    if max(way, turn) < _SHORTEST and (way or turn):
+        said = f"{way:.3g} m long" if way else f"a turn by {turn:.3g} rad"
+        raise InfeasibleMotion(f"the path is {said}; less than {_SHORTEST:g} is no motion.")
 
 
 class ArmLaw(
@@ -149,6 +169,8 @@ class ArmLaw(
         """
         trajectory = make_trajectory(self.arm, path)
         check_length(trajectory.duration, self.longest)
+        if not isinstance(path, TurnBack):  # whose own refusals say what is wrong with its start
+            _check_extent(trajectory)
         end = MotionEnd()
         samples = collected(self.move(trajectory, end), self.period, self.longest)
         plan = make_plan(

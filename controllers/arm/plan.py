@@ -7,6 +7,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
@@ -167,23 +169,13 @@ class ArmPlan:
     def _zeros(self) -> Iterator[float]:
         s3 = self.indices[:, 1]
         for k in np.flatnonzero(s3[:-1] * s3[1:] < 0.0):
-            # Inverse interpolation of the angle by a cubic with the rates as slopes.
+            # Inverse interpolation of the angle by a cubic with the rates as slopes. The angle
+            # has its sign on both sides, however flat it is there: at rest, at a path's end.
             y0, y1 = float(np.arcsin(s3[k])), float(np.arcsin(s3[k + 1]))
             h = float(self.t[k + 1] - self.t[k])
             d0, d1 = h * float(self.velocities[k, 2]), h * float(self.velocities[k + 1, 2])
-            x = y0 / (y0 - y1)
-            for _ in range(20):
-                value = (
-                    y0 * (1 + 2 * x) * (1 - x) ** 2
-                    + d0 * x * (1 - x) ** 2
-                    + y1 * x * x * (3 - 2 * x)
-                    + d1 * x * x * (x - 1)
-                )
-                slope = (
-                    6 * x * (1 - x) * (y1 - y0) + d0 * (1 - x) * (1 - 3 * x) + d1 * x * (3 * x - 2)
-                )
-                x -= value / slope
-            yield float(self.t[k]) + h * x
+            angle = CubicHermiteSpline((0.0, 1.0), (y0, y1), (d0, d1))
+            yield float(self.t[k]) + h * float(brentq(angle, 0.0, 1.0, xtol=1e-15))
 
 
 class WithPlaces(Protocol):

@@ -211,3 +211,21 @@ def test_the_poses_are_those_of_the_twist():
             ahead, behind = trajectory.pose(t + h).position, trajectory.pose(t - h).position
             linear = np.subtract(ahead, behind) / (2 * h)
             np.testing.assert_allclose(trajectory.twist(t).linear, linear, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("begins", [True, False])
+def test_a_circle_that_ends_or_begins_in_the_singularity_crosses_there_or_nowhere(seed, begins):
+    """The rounded elbow has a sign there and no rate: Newton's method divided by zero."""
+    rng = np.random.default_rng((47, seed))
+    scale = rng.uniform(0.03, 1.0)
+    way = rng.uniform(0.1, 0.6)
+    path = Circle(
+        touch=(rng.uniform(-3, 3), rng.uniform(-0.8, 0.8), 0.0, -1.0, 0.5, 0.0),
+        radius=rng.uniform(0.05, 0.3) * scale, side=int(rng.choice((-1, 1))), rate=0.4,
+        begin=0.0 if begins else -way, end=way if begins else 0.0,
+    )  # fmt: skip
+    links = {"a2": 0.4 * scale, "a3": 0.48 * scale, "d6": 0.08 * scale}
+    plan = follow(path, period=5e-3, rate_limits=(1.0,) * 3 + (2.0,) * 3, **links)
+    at = 0.0 if begins else plan.duration
+    assert all(abs(t - at) <= 5e-3 for t in plan.crossings)

@@ -10,7 +10,10 @@ from arm_cases import GEOMETRIES, START_FIG4, radians
 from controllers.arm.dwell import elbow_at_depth
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.kinematics import dimensions_of
-from controllers.arm.paths import DwellLine, TurnBack
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.arm.paths import DwellLine, Line, TurnBack
+from controllers.arm.plain import Inverse, InverseSettings
+from controllers.arm.turn_path import TurnPath
 from controllers.motion import InfeasibleMotion
 
 PERIOD = 2e-2
@@ -141,3 +144,25 @@ def test_joint_limit_in_the_path_names_joint_time_and_angle(law, geometry):
     assert number(r"after (\d+\.\d+) s q3 would be at", message) == pytest.approx(first, abs=1e-3)
     assert number(r"would be at (-0\.5\d+) rad", message) < -0.5
     assert "its range of -0.5000 to 2.8000 rad" in message
+
+
+BENT = (0.3, 0.4, 1.1, 0.2, 0.8, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        (Line(BENT, before=1e-9, after=1e-9), "the path is 2e-09 m long; less than 1e-06 is"),
+        (TurnPath(BENT, (1.0, 0.0, 0.0), angle=1e-9), "the path is a turn by 1e-09 rad; less"),
+    ],
+    ids=("line", "turn"),
+)
+@pytest.mark.parametrize("kind", ["look-ahead", "inverse", "esc"])
+def test_a_path_of_a_nanometre_is_none(path, said, kind):
+    law = {
+        "look-ahead": LookAhead(LookAheadSettings(), GEOMETRIES["paper"], 5e-3),
+        "inverse": Inverse(InverseSettings(), GEOMETRIES["paper"], 5e-3),
+        "esc": Esc(EscSettings(), GEOMETRIES["paper"], 5e-3),
+    }[kind]
+    with pytest.raises(InfeasibleMotion, match=re.escape(said)):
+        law.prepare(path)
