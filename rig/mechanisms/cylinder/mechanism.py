@@ -42,7 +42,7 @@ _BETWEEN = 7
 """Of so many cycles of a reference one is looked at between them, too …"""
 _SHARE = 0.382
 """… after this share of the period, which divides none."""
-_STILL = 0.25
+_STILL = 0.1
 """While its chambers fill, a pair may move by this share of its range at most."""
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes

@@ -65,15 +65,15 @@ def test_a_pair_that_moves_while_its_chambers_fill_is_a_fault():
         bench.pair.check_still(STILL)
 
 
-def test_a_pair_that_follows_nothing_may_move_by_a_quarter_of_its_range_while_they_fill():
+def test_a_pair_that_follows_nothing_may_move_by_a_tenth_of_its_range_while_they_fill():
     limits = pair_settings().limits
     low, high = limits.position
     bench = PairBench(pair_settings(replace(limits, following=high - low)))
-    for k, share in enumerate((0.24, 0.26)):
+    for k, share in enumerate((0.09, 0.11)):
         bench.cycle(2 * k * PERIOD)
         bench.move_to(share * (high - low))
         bench.cycle((2 * k + 1) * PERIOD)
-        if share < 0.25:
+        if share < 0.1:
             bench.pair.check_still(STILL)
             continue
         with pytest.raises(LimitExceeded, match="way of the pair while nothing controls it"):
