@@ -61,7 +61,7 @@ class _PoseLaw(ArmLaw[Following]):
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""
-        q, t, tau = trajectory.start, 0.0, 0.0
+        q, t, tau, waits = trajectory.start, 0.0, 0.0, False
         while tau < trajectory.duration - 1e-9:
             share = self.share(q)
             command = trajectory.twist(tau)
@@ -70,12 +70,13 @@ class _PoseLaw(ArmLaw[Following]):
                 end.duration, end.outcome = t, "halts"
                 return
             rates = self.rates(q, self._wanted(q, trajectory, tau, share))
+            waits = rates == AT_REST and any(map(any, command[:2]))
             yield Sample(q, rates, share, share, command)
             step = min(self.period, (trajectory.duration - tau) / share)
             q = moved(q, rates, step)
             t, tau = t + step, tau + share * step
         yield Sample(q, AT_REST, 0.0, 0.0, trajectory.twist(tau))
-        end.duration = t
+        end.duration, end.outcome = t, "stalls" if waits else "done"
 
     def _wanted(self, q: Joints, trajectory: Trajectory, tau: float, share: float) -> Twist:
         wanted, actual = trajectory.pose(tau), forward(self.arm, q)

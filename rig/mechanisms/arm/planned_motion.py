@@ -35,7 +35,7 @@ class PlannedArmMotion(PlannedMotion[ArmReference]):
         ]
         super().__init__(np.column_stack(columns))
         self.facts = self.facts_from(plan, geometry, path)
-        self.remarks = remarks_of_plan(plan, arm, geometry.acceleration_limits)
+        self.remarks = remarks_of_plan(plan, arm, geometry)
 
     @classmethod
     def facts_from(cls, plan: ArmPlan, geometry: ArmGeometry, asked: object) -> dict[str, Fact]:

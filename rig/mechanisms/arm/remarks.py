@@ -3,36 +3,64 @@
 import numpy as np
 
 from controllers.arm.choice import branch_words
-from controllers.arm.geometry import AXIS_NAMES
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.inverse import branch_of
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.plan import ArmPlan
 from controllers.arm.singular_places import singular_places
 from rig.hal.motion import Note
 
+_WITHIN = 1.001
+"""Share of a rate limit up to which a motion keeps to it."""
 _AT_REST = 1.001
 """Share of an acceleration limit up to which a motion begins and ends at rest."""
 
 
-def remarks_of_plan(
-    plan: ArmPlan, arm: Dimensions, acceleration_limits: tuple[float, ...]
-) -> tuple[Note, ...]:
-    """Return the branch and a step of speed at the start, what was chosen, and each singularity.
-
-    `acceleration_limits` are the joints', rad/s².
-    """
+def remarks_of_plan(plan: ArmPlan, arm: Dimensions, geometry: ArmGeometry) -> tuple[Note, ...]:
+    """Return the branch, what the drives cannot do, what was chosen, each singularity, the end."""
     first = branch_of(arm, tuple(plan.positions[0].tolist()))
     steps = np.linalg.norm(np.diff(plan.hand, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(steps)))
     return (
         Note("begins", f"on the branch {branch_words(first)}"),
-        *_steps_of_speed(plan, acceleration_limits),
+        *_steps_of_speed(plan, geometry.acceleration_limits),
+        *_too_fast(plan, geometry.rate_limits),
         *(Note("chosen", note) for note in plan.notes),
         *(
             Note(f"{place.kind}, {plan.t[place.at]:.3f} s, {gone[place.at]:.4f} m", place.words)
             for place in singular_places(plan.indices, plan.positions)
         ),
+        *_ends_early(plan, float(gone[-1])),
     )
+
+
+def _too_fast(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
+    """Return which joint a law that promises no rates asks for more than it can do."""
+    shares = plan.peak_rates / np.array(limits)
+    joint = int(np.argmax(shares))
+    if shares[joint] <= _WITHIN:
+        return []
+    return [
+        Note(
+            "is too fast",
+            f"for {AXIS_NAMES[joint]}, which would need {plan.peak_rates[joint]:.3g} rad/s of "
+            f"{limits[joint]:g} rad/s: {plan.law} promises no rates, and the hand will not keep "
+            f"to its path",
+        )
+    ]
+
+
+def _ends_early(plan: ArmPlan, way: float) -> list[Note]:
+    """Return where a law stays that does not get to the end of its path."""
+    if plan.outcome == "done":
+        return []
+    return [
+        Note(
+            "ends early",
+            f"{plan.law} {plan.outcome} after {plan.duration:.3f} s and {way:.4g} m, before the "
+            f"end of the path; look-ahead and esc go through singularities",
+        )
+    ]
 
 
 def _steps_of_speed(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
