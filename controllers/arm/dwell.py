@@ -252,6 +252,7 @@ def make_dwell(
         raise InfeasibleMotion(
             f"a dwell of {duration:g} s would stop and reverse the arm in the region: b reaches "
             f"{dwell.middle:.4g}; at this speed and depth a quintic dwells at most "
-            f"{longest:.{4 if longest > 0.01 else 9}f} s. Enter more slowly or use a ramp."
+            f"{longest:.{4 if longest > 0.01 else 9}f} s. A slower hand "
+            "dwells for longer; esc has no such bound."
         )
     return dwell

@@ -89,13 +89,13 @@ def check_turn_back(
         raise InfeasibleMotion(
             f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
             f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
-            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s{_no_faster(trajectory, region, widest)}."
+            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s{_no_faster(trajectory, region, widest, ', or the hand be')}."
         )
     if sin_qs >= widest and math.cos(elbow) > 0.0:
         raise InfeasibleMotion(
             f"the arm starts inside the region: |S3| = {abs(s3):.4f} at the start, no more than "
             f"sin q_s = {sin_qs:.4f}; its speed would begin with a step"
-            f"{_no_faster(trajectory, region, widest)}."
+            f"{_no_faster(trajectory, region, widest, ', or the hand be')}."
         )
 
 
@@ -103,6 +103,7 @@ def _no_faster(
     trajectory: StraightTrajectory,
     region: Callable[[StraightTrajectory], float],
     widest: float,
+    lead: str,
 ) -> str:
     """Say how fast the hand may be for a region that is narrow enough; nothing if none is."""
 
@@ -114,7 +115,7 @@ def _no_faster(
     share, _ = bisect(fits, _SLOWEST, 1.0)
     if trajectory.turn_rate:
         share *= _ROUNDED
-    words = f", or the hand be no faster than {floor(share * trajectory.speed):g} m/s"
+    words = f"{lead} no faster than {floor(share * trajectory.speed):g} m/s"
     if trajectory.turn_rate:
         words += f" and turn no faster than {floor(share * trajectory.turn_rate):g} rad/s"
     return words
