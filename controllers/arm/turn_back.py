@@ -89,13 +89,14 @@ def check_turn_back(
         raise InfeasibleMotion(
             f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
             f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
-            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s{_no_faster(trajectory, region, widest, ', or the hand be')}."
+            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s"
+            f"{_no_faster(trajectory, region, widest, ', or the hand be')}."
         )
     if sin_qs >= widest and math.cos(elbow) > 0.0:
         raise InfeasibleMotion(
             f"the arm starts inside the region: |S3| = {abs(s3):.4f} at the start, no more than "
             f"sin q_s = {sin_qs:.4f}; its speed would begin with a step"
-            f"{_no_faster(trajectory, region, widest, ', or the hand be')}."
+            f"{_no_faster(trajectory, region, widest, '. It would not, were the hand')}."
         )
 
 
