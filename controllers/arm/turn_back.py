@@ -96,7 +96,7 @@ def check_turn_back(
         raise InfeasibleMotion(
             f"the arm starts inside the region: |S3| = {abs(s3):.4f} at the start, no more than "
             f"sin q_s = {sin_qs:.4f}; its speed would begin with a step"
-            f"{_no_faster(trajectory, region, widest, '. It would not, were the hand')}."
+            f"{_no_faster(trajectory, region, widest, '. It would not, should the hand be')}."
         )
 
 
