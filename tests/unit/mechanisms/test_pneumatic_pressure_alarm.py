@@ -376,7 +376,7 @@ def test_setpoints_from_before_a_pause_are_forgotten():
 
 @pytest.mark.parametrize("way", [-50e3, 50e3])
 def test_what_nobody_asked_to_move_has_less_time_than_what_was_asked(way):
-    """A pressure that falls by itself throws its pair before a step's time is over."""
+    """What falls by itself throws its pair before a step's time is over."""
     still = Bench(unasked=3 * STEP)
     still.pass_by(3, ch3=way)
     with pytest.raises(SafetyError, match=f"ch3.* at most 40 kPa for {3 * STEP:.3g} s"):
@@ -389,6 +389,10 @@ def test_what_nobody_asked_to_move_has_less_time_than_what_was_asked(way):
             continue
         with pytest.raises(SafetyError, match=f"at most 40 kPa for {3 * STEP:.3g} s"):
             asked.pass_by(5, ch3=way)
+    just = Bench(RegulatorModel(dead_time=64 * STEP), unasked=3 * STEP)
+    just.watch.send((START, START, START - math.copysign(0.5 * DEVIATION, way), START))
+    with pytest.raises(SafetyError, match=f"at most 40 kPa for {3 * STEP:.3g} s"):
+        just.pass_by(5, ch3=1.6 * way)
 
 
 def test_who_has_been_off_beyond_its_own_time_for_longest_is_named():
