@@ -28,6 +28,7 @@ _HARDER: Final = 5.0
 _POSTURE: Final = (0.0, math.radians(30), math.radians(90), 0.0, math.radians(-30), 0.0)
 """The simulated arm begins there if its ranges permit: away from every singularity."""
 _WIDER: Final = math.radians(0.5)
+_INERTIAS: Final = (1.2, 1.2, 0.8, 0.2, 0.2, 0.12)
 _TORQUES: Final = (150.0, 150.0, 100.0, 40.0, 40.0, 30.0)
 _BRAKES: Final = (200.0, 200.0, 130.0, 50.0, 50.0, 40.0)
 
@@ -209,11 +210,15 @@ def _plant(drawing: Drawing, ranges: Sequence[tuple[float, float]]) -> list[str]
         f"  start: {_list([_degrees(value) for value in start])}",
     ]
     if larger > 1.0:
-        torques, brakes = (
-            _list([f"{_short(larger * value)} N m" for value in values])
-            for values in (_TORQUES, _BRAKES)
-        )
-        lines += ["  drives:", f"    torque_limits: {torques}", f"    brakes: {brakes}"]
+        # Inertias, too: drives that bear the stretched arm would shake a folded one without.
+        lines += ["  drives:"] + [
+            f"    {key}: {_list([f'{_short(larger * value)} {unit}' for value in values])}"
+            for key, values, unit in (
+                ("torque_limits", _TORQUES, "N m"),
+                ("brakes", _BRAKES, "N m"),
+                ("inertias", _INERTIAS, "kg m^2"),
+            )
+        ]
     return lines
 
 
