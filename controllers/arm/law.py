@@ -31,7 +31,6 @@ _SLOWEST = 1e9
 """Times as long beyond which no speed is looked for."""
 _TRIED = 60_000
 """Cycles of a slower motion beyond which it is not tried: that would take longer than one waits."""
-
 _SHORTEST = 1e-6
 """A path takes the hand so far at least, m or rad, or leaves it where it is."""
 
@@ -85,8 +84,8 @@ def _check_extent(trajectory: Trajectory) -> None:
         abs(rate) * trajectory.duration for rate in (trajectory.speed, trajectory.turn_rate)
     )
     if max(way, turn) < _SHORTEST and (way or turn):
-        said = f"{way:.3g} m long" if way else f"a turn by {turn:.3g} rad"
-        raise InfeasibleMotion(f"the path is {said}; less than {_SHORTEST:g} is no motion.")
+        said, unit = (f"{way:.3g} m long", "m") if way else (f"a turn by {turn:.3g} rad", "rad")
+        raise InfeasibleMotion(f"the path is {said}; less than {_SHORTEST:g} {unit} is no motion.")
 
 
 class ArmLaw(

@@ -7,8 +7,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import brentq
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
@@ -167,6 +165,9 @@ class ArmPlan:
         return tuple(self._zeros())
 
     def _zeros(self) -> Iterator[float]:
+        from scipy.interpolate import CubicHermiteSpline
+        from scipy.optimize import brentq
+
         s3 = self.indices[:, 1]
         for k in np.flatnonzero(s3[:-1] * s3[1:] < 0.0):
             # Inverse interpolation of the angle by a cubic with the rates as slopes. The angle

@@ -96,7 +96,8 @@ def _need(module: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         raise InfeasibleMotion(
-            f"the law mink needs the package {module}, which is not installed ({error})."
+            f"the law mink needs the package {module}, which is not installed ({error}); "
+            f"`pip install mink daqp` does that."
         ) from error
 
 

@@ -21,8 +21,10 @@ _HOLDS = 50e3
 """Pa gauge: what is in a chamber that pulls more than its seals hold."""
 TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
-_OVERPOWERING_WIRES = 2.0 / 110e3
-"""N s for each pascal that a chamber has to give: 20 N for a tenth of a second from 110 kPa."""
+_OVERPOWERING_WIRES = 2.0
+"""N s, 20 N for a tenth of a second: as much as chambers can pull that have …"""
+_GIVES = 110e3
+"""… so much to give, Pa gauge. With less they pull less."""
 
 
 def lets_fall(plight: Plight) -> frozenset[str]:
@@ -80,7 +82,7 @@ def overpowers_wires(plight: Plight) -> frozenset[str]:
     """
     pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
     weakest = min(pressures)
-    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES * weakest
+    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES * min(weakest / _GIVES, 1.0)
     is_thrown = too_much or weakest < _HOLDS
     return ON_A_WIRE | {"energy left"} if is_thrown else frozenset()
 

@@ -210,6 +210,34 @@ def test_an_arm_from_its_description_runs_at_once(here, capsys, option):
     assert invoke(["run", "arm-tour", "--on", "sim", "--rig", "our-arm.yaml", "--no-report"]) == 0
 
 
+LARGE = """convention: standard
+joints:
+  - {{alpha: 90 deg, d: {base:.4f} m, range: [-170 deg, 170 deg], speed: 2 rad/s}}
+  - {{a: {upper:.4f} m, range: [-60 deg, 240 deg], speed: 2 rad/s}}
+  - {{a: 0 m, d: 0 m, alpha: -90 deg, range: [-240 deg, 60 deg], speed: 2 rad/s}}
+  - {{d: {fore:.4f} m, alpha: 90 deg, range: [-180 deg, 180 deg], speed: 4 rad/s}}
+  - {{alpha: -90 deg, range: [-120 deg, 120 deg], speed: 4 rad/s}}
+  - {{range: [-300 deg, 300 deg], speed: 4 rad/s}}
+tool: {tool:.4f} m
+"""
+FOLDED = """name: folded
+rig: large.yaml
+law: look-ahead
+reference: {kind: arm-turn, start: [0.6, -0.3, 0.9, -1.8, 0.5, -2.0], axis: [0, 0, 1], angle: 0.3}
+approach: 4 s
+"""
+
+
+@pytest.mark.parametrize("reach", [2.0, 6.0])
+def test_the_drives_of_a_large_arm_hold_it_folded_too(here, reach):
+    """Torques that bear it stretched need motors of some inertia, or they shake it folded."""
+    lengths = {"base": 0.1, "upper": 0.5, "fore": 0.5, "tool": 0.1}
+    Path("large-dh.yaml").write_text(LARGE.format(**{k: reach * v for k, v in lengths.items()}))
+    assert invoke(["new", "rig", "large", "--dh", "large-dh.yaml"]) == 0
+    Path("folded.yaml").write_text(FOLDED)
+    assert invoke(["run", "folded.yaml", "--on", "sim", "--no-report"]) == 0
+
+
 @pytest.mark.parametrize("shipped", ["arm-irb-120", "arm-puma-560"])
 def test_a_shipped_arm_is_what_its_description_comes_to(here, shipped):
     kind, end = ("urdf", "urdf") if shipped == "arm-irb-120" else ("dh", "yaml")

@@ -11,9 +11,9 @@ from controllers.arm.singular_places import singular_places
 from rig.hal.motion import Note
 
 _WITHIN = 1.001
-"""Share of a rate limit up to which a motion keeps to it."""
-_AT_REST = 1.001
-"""Share of an acceleration limit up to which a motion begins and ends at rest."""
+"""Share of a limit up to which a motion keeps to it."""
+_THROUGH = ("look-ahead and esc go", "look-ahead goes")
+"""Who gets to the end: as told of any law, and of esc."""
 
 
 def remarks_of_plan(plan: ArmPlan, arm: Dimensions, geometry: ArmGeometry) -> tuple[Note, ...]:
@@ -58,7 +58,7 @@ def _ends_early(plan: ArmPlan, way: float) -> list[Note]:
         Note(
             "ends early",
             f"{plan.law} {plan.outcome} after {plan.duration:.3f} s and {way:.4g} m, before the "
-            f"end of the path; look-ahead and esc go through singularities",
+            f"end of the path; {_THROUGH[plan.law == 'esc']} through singularities",
         )
     ]
 
@@ -67,7 +67,7 @@ def _steps_of_speed(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
     """Return what the drives are in for where a law does not begin and end at rest."""
     shares = plan.end_accelerations / np.array(limits)
     joint = int(np.argmax(shares))
-    if shares[joint] <= _AT_REST:
+    if shares[joint] <= _WITHIN:
         return []
     return [
         Note(

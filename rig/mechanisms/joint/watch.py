@@ -161,13 +161,17 @@ class JointWatch:
             cause = self._balance.explain()
         cause = cause or self._pressures.suspicion()
         if cause is None and isinstance(error, DeviceFault):
-            cause = self._balance.explain_emptied(_pair_of(k, 0.0)[0])
-        if cause is None and isinstance(error, DeviceFault):
-            if self._wires.agree(rods):
-                cause = "the ring was pushed or struck: all rods move with it"
-            elif self._runs_with(k):
-                cause = "the ring was pushed or struck: other rods run with it"
+            emptied = self._balance.explain_emptied(_pair_of(k, 0.0)[0])
+            cause = emptied or self._explain_push(k, rods)
         return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def _explain_push(self, k: int, rods: Quadruple) -> str | None:
+        """Return that rod `k` did not run alone; None: it did."""
+        if self._wires.agree(rods):
+            return "the ring was pushed or struck: all rods move with it"
+        if self._runs_with(k):
+            return "the ring was pushed or struck: other rods run with it"
+        return None
 
     def _explain_strayed(self, error: Strayed, state: JointState) -> Exception:
         """Return why a rod is not where it should be."""

@@ -3,7 +3,6 @@
 from typing import Final
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.leg_postures import Array, leg_posture
@@ -64,6 +63,7 @@ def _encoder_that_is_off(geometry: LegGeometry, q: Array) -> tuple[int, float]:
     Of two joints that could turn a sole as much, the one is meant with which both legs stand alike
     and the soles look up.
     """
+    from scipy.optimize import minimize_scalar  # a fifth of a second, where a walk is refused
 
     def stands_badly(off: float, axis: int) -> float:
         tried = q.copy()

@@ -74,8 +74,8 @@ def test_who_throws_a_rod_compresses_what_is_in_its_chamber(kind):
     full, empty = {"pressure_ch1": 60e3, "pressure_ch2": 51e3}, {"pressure_ch1": 1e3}
     assert row.excuses(case._replace(truth=full)) == frozenset()
     assert "energy left" in row.excuses(case._replace(truth=empty))
-    strong = {"pressure_ch1": 110e3, "pressure_ch2": 180e3}
-    for truth, most in ((strong, 2.0), (full, 2.0 * 51 / 110)):
+    strong, stronger = ({"pressure_ch1": p, "pressure_ch2": 400e3} for p in (110e3, 380e3))
+    for truth, most in ((strong, 2.0), (stronger, 2.0), (full, 2.0 * 51 / 110)):
         for share, forgiven in ((0.99, False), (1.01, True)):
             pushed = case._replace(truth=truth, sizes=Sizes(share * most, math.inf))
             assert ("energy left" in row.excuses(pushed)) is forgiven

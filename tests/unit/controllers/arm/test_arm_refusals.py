@@ -152,7 +152,7 @@ BENT = (0.3, 0.4, 1.1, 0.2, 0.8, 0.1)
 @pytest.mark.parametrize(
     ("path", "said"),
     [
-        (Line(BENT, before=1e-9, after=1e-9), "the path is 2e-09 m long; less than 1e-06 is"),
+        (Line(BENT, before=1e-9, after=1e-9), "the path is 2e-09 m long; less than 1e-06 m is"),
         (TurnPath(BENT, (1.0, 0.0, 0.0), angle=1e-9), "the path is a turn by 1e-09 rad; less"),
     ],
     ids=("line", "turn"),
