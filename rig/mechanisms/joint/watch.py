@@ -161,7 +161,7 @@ class JointWatch:
             cause = self._balance.explain()
         cause = cause or self._pressures.suspicion()
         if cause is None and isinstance(error, DeviceFault):
-            emptied = self._balance.explain_emptied(_pair_of(k, 0.0)[0])
+            emptied = self._balance.explain_emptied(_number_of(k))
             cause = emptied or self._explain_push(k, rods)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
@@ -251,7 +251,12 @@ class JointWatch:
         return a - give * p, b - give * q, c - give * r, d - give * s
 
 
+def _number_of(rod: int) -> int:
+    """Return the number of a rod's pair."""
+    return next(k for k, pair in enumerate(PAIRS) if rod in pair)
+
+
 def _pair_of(rod: int, off: float) -> tuple[int, float]:
     """Return the number of a rod's pair, and how far the pair is off if the rod is, m."""
-    number = next(k for k, pair in enumerate(PAIRS) if rod in pair)
+    number = _number_of(rod)
     return number, off if rod == PAIRS[number][0] else -off
