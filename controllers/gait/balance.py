@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.leg_postures import leg_posture
-from controllers.gait.turning import FLAT, Attitude, rotation_of
+from controllers.gait.soles import sole_corners
+from controllers.gait.turning import FLAT, Attitude
 
 Array = NDArray[np.float64]
 
@@ -177,21 +178,6 @@ def support_polygon(
         for corner in sole_corners(geometry, foot, attitude)
     ]
     return _hull(corners)
-
-
-def sole_corners(
-    geometry: LegGeometry, foot: tuple[float, ...], attitude: Attitude
-) -> list[tuple[float, float]]:
-    """Return the corners of a sole seen from above, anticlockwise, m."""
-    sole = geometry.sole
-    (a, b, _), (c, d, _), _ = rotation_of(attitude)
-    rectangle = (
-        (-sole.back, -sole.half_width),
-        (sole.front, -sole.half_width),
-        (sole.front, sole.half_width),
-        (-sole.back, sole.half_width),
-    )
-    return [(foot[0] + a * x + b * y, foot[1] + c * x + d * y) for x, y in rectangle]
 
 
 def margin(polygon: Array, points: Array) -> Array:

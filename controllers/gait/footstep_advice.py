@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from controllers.bisection import bisect
 from controllers.gait.footprints import Footstep
-from controllers.gait.footstep_checks import BeyondLeg, MeetsGround, TwoHeights
+from controllers.gait.footstep_checks import BeyondLeg, MeetsFoot, MeetsGround, TwoHeights
 from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.turning import Attitude, Three
 
@@ -16,11 +16,11 @@ _LEAST = 0.1
 """Share of a step that is tried at least, and between the shares that are tried first."""
 _HIGHEST = 300
 """Lift, mm."""
-_HIGHER = (1.125, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0)
-_LOWER = (0.9, 0.8, 0.6, 0.4, 0.2)
+HIGHER = (1.125, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0)
+LOWER = (0.9, 0.8, 0.6, 0.4, 0.2)
 """Of the lift that is asked for, what is tried first."""
 _FARTHER = (5, 10, 15, 20, 30, 40, 60)
-"""By how much farther on a print is tried, mm."""
+"""By how much farther on or aside a print is tried, mm."""
 
 Fits = Callable[[Footstep], bool]
 
@@ -70,12 +70,14 @@ def advise(
     if isinstance(error, MeetsGround):
         # A foot that is lifted far more bends its knee and its ankle far more.
         farther, near = _farther(fits, asked, place, name)
-        times = _HIGHER[:3] if near else _HIGHER
+        times = HIGHER[:3] if near else HIGHER
         said = _other_lift(fits, asked, lift, times, name) + farther
         return said or _shorter(fits, asked, place, name)
     said = _shorter(fits, asked, place, name)
+    if isinstance(error, MeetsFoot):
+        said += _aside(fits, asked, place, name)
     if not said and isinstance(error, BeyondLeg):
-        said = _other_lift(fits, asked, lift, _LOWER, name)
+        said = _other_lift(fits, asked, lift, LOWER, name)
     return said
 
 
@@ -107,14 +109,23 @@ def _words(step: Footstep, *, tilts: bool, heading: bool = True) -> str:
     return words
 
 
-def _other_lift(fits: Fits, asked: Footstep, lift: float, times: Iterable[float], name: str) -> str:
-    """Return the lift that is nearest to the one that is asked for, of those that fit."""
-    own = 1e3 * (asked.lift or lift)
+def nearest_lift(fits: Callable[[float], bool], own: float, times: Iterable[float]) -> int | None:
+    """Return the lift that is nearest to the one that is asked for, of those that fit, mm.
+
+    Parameters
+    ----------
+    fits : callable
+        Whether a lift, m, would do.
+    own : float
+        The one that is asked for, m, which does not.
+    times : iterable of float
+        What it is multiplied by in the tries that come first.
+    """
+    fails = own = 1e3 * own
 
     def may(mm: int) -> bool:
-        return 0 < mm <= _HIGHEST and fits(replace(asked, lift=1e-3 * mm))
+        return 0 < mm <= _HIGHEST and fits(1e-3 * mm)
 
-    fails = own
     for share in times:
         found = math.ceil(own * share) if share > 1.0 else math.floor(own * share)
         if not may(found):
@@ -128,11 +139,17 @@ def _other_lift(fits: Fits, asked: Footstep, lift: float, times: Iterable[float]
                 found = middle
             else:
                 fails = middle
-        if asked.lift is None:
-            return f" With a lift of {found} mm {name} would fit."
-        # The lift of all others has no say in it, and is not pointed at.
-        return f" Lifted by {found} mm instead of its own {own:.4g} mm {name} would fit."
-    return ""
+        return found
+    return None
+
+
+def _other_lift(fits: Fits, asked: Footstep, lift: float, times: Iterable[float], name: str) -> str:
+    """Return the lift of its own with which a step fits."""
+    own = asked.lift or lift
+    found = nearest_lift(lambda tried: fits(replace(asked, lift=tried)), own, times)
+    if found is None:
+        return ""
+    return f" Lifted by {found} mm instead of {own * 1e3:.4g} mm {name} would fit."
 
 
 def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> tuple[str, bool]:
@@ -141,11 +158,36 @@ def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> tuple
     way = math.hypot(x - bx, y - by)
     if way == 0.0:
         return "", False
-    s, c = math.sin(place.after[1][2]), math.cos(place.after[1][2])
+    found = _moved(fits, asked, place, ((x - bx) / way, (y - by) / way))
+    if found is None:
+        return "", False
+    far, its = found
+    words = _words(its, tilts=False, heading=False)
+    return f" {name.capitalize()} would fit {far} mm farther on, at {words}.", far <= _FARTHER[1]
+
+
+def _aside(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> str:
+    """Return the nearest print farther from the foot that stands, on the same ground, that fits."""
+    yaw = place.support[1][2]
+    side = math.copysign(1.0, place.aside)
+    found = _moved(fits, asked, place, (-side * math.sin(yaw), side * math.cos(yaw)))
+    if found is None:
+        return ""
+    far, its = found
+    words = _words(its, tilts=False, heading=False)
+    return f" {name.capitalize()} would fit {far} mm farther aside, at {words}."
+
+
+def _moved(
+    fits: Fits, asked: Footstep, place: SwingSoles, way: tuple[float, float]
+) -> tuple[int, Footstep] | None:
+    """Return by how many millimetres a print has to be moved along a way, on the same ground."""
+    yaw = place.after[1][2]
+    s, c = math.sin(yaw), math.cos(yaw)
     ground = GroundPlane(asked.pitch, asked.roll)
 
     def at(mm: int) -> Footstep:
-        dx, dy = 1e-3 * mm * (x - bx) / way, 1e-3 * mm * (y - by) / way
+        dx, dy = 1e-3 * mm * way[0], 1e-3 * mm * way[1]
         up = ground.height(c * dx + s * dy, c * dy - s * dx)
         moved = replace(asked, x=asked.x + dx, y=asked.y + dy, height=asked.height + up)
         its = _rounded(moved)
@@ -153,14 +195,12 @@ def _farther(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> tuple
 
     high = next((mm for mm in _FARTHER if fits(at(mm))), 0)
     if not high:
-        return "", False
+        return None
     low = max((mm for mm in _FARTHER if mm < high), default=0)
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if fits(at(middle)) else (middle, high)
-    its = _words(at(high), tilts=False, heading=False)
-    words = f" {name.capitalize()} would fit {high} mm farther on, at {its}."
-    return words, high <= _FARTHER[1]
+    return high, at(high)
 
 
 def _on_ground_before(fits: Fits, asked: Footstep, place: SwingSoles, name: str) -> str:

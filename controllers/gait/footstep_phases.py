@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from controllers.gait.footprints import Footstep, SteppingSettings
+from controllers.gait.footstep_checks import BeyondLeg
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.kinematics import Vector
@@ -102,6 +103,20 @@ def walk_over(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence
     return Walk(tuple(stances), start, (feet[0], feet[1]))
 
 
+class OutOfReach(BeyondLeg):
+    """An ankle is too far from its hip at whatever height.
+
+    Attributes
+    ----------
+    step : int
+        That put it there.
+    """
+
+    def __init__(self, message: str, step: int) -> None:
+        super().__init__(message)
+        self.step = step
+
+
 class HipNeed(NamedTuple):
     """The greatest height of the hips that a foot permits.
 
@@ -186,10 +201,11 @@ def hip_needs(geometry: LegGeometry, settings: SteppingSettings, walk: Walk) -> 
             out = math.hypot(x - s * side - ankle[0], y + c * side - ankle[1])
             most = ankle[2] - height + math.sqrt(max(reach**2 - out**2, 0.0))
             if out >= reach or most <= 0.0:
-                raise InfeasibleMotion(
+                raise OutOfReach(
                     f"{words}: the {LEGS[leg]} ankle would be {out * 1e3:.1f} mm away from under "
                     f"its hip; a leg with its knee at {math.degrees(settings.knee_min):g} deg "
-                    f"reaches {reach * 1e3:.1f} mm."
+                    f"reaches {reach * 1e3:.1f} mm.",
+                    step,
                 )
             if settings.hip is not None and settings.hip > most and not too_high:
                 too_high = (

@@ -1,5 +1,6 @@
 """A walk over footprints that are given one by one: in a file, in the experiment, or by numbers."""
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,9 @@ from controllers.gait.motions import SquatSettings, WalkSettings
 from controllers.gait.phases import GaitPhase
 from controllers.motion import InfeasibleMotion
 
-_STEP = re.compile(r"\b(?:(?:step|swing (?:right|left)) (?P<step>\d+)|shift (?P<shift>\d+))\b")
+_STEP = re.compile(
+    r"\b(?:(?:step|swing (?:right|left)) (?P<step>\d+)|shift (?P<shift>\d+))\b(?! \([^)]*line \d)"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,15 +92,25 @@ class FootstepsSettings(SteppingSettings):
 
         return _STEP.sub(put, message)
 
-    def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
+    def phases(self, geometry: LegGeometry, min_margin: float = -math.inf) -> tuple[GaitPhase, ...]:
         """Return the phases of the walk, in their order.
+
+        Parameters
+        ----------
+        geometry : LegGeometry
+            The legs.
+        min_margin : float
+            Least distance of the centre of mass from the edge of what the feet stand on, m.
 
         Raises
         ------
         InfeasibleMotion
-            A step cannot be done, with its number, and what could.
+            A step cannot be done, with its number and line, and what could.
         """
-        return plan_footsteps(geometry, self, self.footsteps(geometry))
+        try:
+            return plan_footsteps(geometry, self, self.footsteps(geometry), min_margin)
+        except InfeasibleMotion as error:
+            raise InfeasibleMotion(self.with_line(str(error))) from error
 
     def advance(self, geometry: LegGeometry) -> float:
         """Return how far the waist is to go ahead, m."""
@@ -107,3 +120,20 @@ class FootstepsSettings(SteppingSettings):
 
 LegsMotion = WalkSettings | SquatSettings | FootstepsSettings
 """Any motion that a law can prepare."""
+
+
+def phases_of(
+    motion: LegsMotion, geometry: LegGeometry, min_margin: float
+) -> tuple[GaitPhase, ...]:
+    """Return the phases of a motion; footprints over which the robot would tip over are refused.
+
+    Parameters are those of `FootstepsSettings.phases`.
+
+    Raises
+    ------
+    InfeasibleMotion
+        It cannot be done, with what could.
+    """
+    if isinstance(motion, FootstepsSettings):
+        return motion.phases(geometry, min_margin)
+    return motion.phases(geometry)

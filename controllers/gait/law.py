@@ -22,7 +22,7 @@ from controllers.gait.durations import (
     name_times,
 )
 from controllers.gait.fastest import fastest
-from controllers.gait.footsteps import FootstepsSettings, LegsMotion
+from controllers.gait.footsteps import FootstepsSettings, LegsMotion, phases_of
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
@@ -171,7 +171,7 @@ class GaitLaw(
 
     def _prepare(self, motion: LegsMotion) -> GaitPlan:
         geometry = self.model.geometry
-        phases = motion.phases(geometry)
+        phases = phases_of(motion, geometry, self.model.balance.min_margin)
         check_length(sum(phase.duration for phase in phases), self.longest)
         timed = _on_grid(geometry, phases, self.period)
         make = self._pace_maker(timed, motion.speed)

@@ -12,7 +12,7 @@ from controllers.gait.correction_settings import SagSettings
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.leg_postures import LegPosture, leg_posture
 from controllers.gait.pieces import in_pieces
-from controllers.gait.plan import GaitPlan
+from controllers.gait.plan import GaitPlan, PlannedPhase
 
 Array = NDArray[np.float64]
 
@@ -81,15 +81,46 @@ def _bearing(plan: GaitPlan) -> tuple[Array, Array]:
     stands = np.array([p.phase.standing for p in plan.phases], bool)[plan.phase_number]
     feet, centre = plan.feet[:, :, :2], plan.balance.zero_moment
     across = feet[:, 1] - feet[:, 0]
-    share = np.einsum("ni,ni->n", centre - feet[:, 0], across) / np.sum(across**2, axis=1)
-    both = np.stack((1.0 - share, share), axis=1)
-    apart = np.all(stands, axis=1).reshape(-1, 1)
-    shares = np.where(apart, np.clip(both, 0.0, 1.0), stands)
+    left = np.einsum("ni,ni->n", centre - feet[:, 0], across) / np.sum(across**2, axis=1)
+    left = np.where(
+        np.all(stands, axis=1), np.clip(_handed_over(plan, left), 0.0, 1.0), stands[:, 1]
+    )
+    shares = np.stack((1.0 - left, left), axis=1)
     middle = np.einsum("nk,nki->ni", shares, feet)
     pressed = feet + (centre - middle)[:, None] - plan.waist[:, None, :2]
     s, c = np.sin(plan.yaw)[:, None], np.cos(plan.yaw)[:, None]
     x, y = pressed[..., 0], pressed[..., 1]
     return shares, np.stack((c * x + s * y, c * y - s * x, np.zeros_like(x)), axis=2)
+
+
+def _handed_over(plan: GaitPlan, left: Array) -> Array:
+    """Return the left foot's share of phases on both feet, so that no foot bears at once.
+
+    A foot that has just come down bears nothing yet, and one that is about to leave nothing any
+    more, though the centre of pressure need not be right over the other ankle then: what it is off
+    by, the sole that stands makes up for, as it does while it stands alone.
+    """
+    shared = left.copy()
+    alone = [None, *(_who_stands(planned) for planned in plan.phases), None]
+    for planned, before, here, after in zip(
+        plan.phases, alone[:-2], alone[1:-1], alone[2:], strict=True
+    ):
+        if here is not None:
+            continue
+        first, last = planned.first, planned.last
+        during = slice(first + (first > 0), last + 1)  # the sample between two is the first one's
+        xi = plan.path[during]
+        if before is not None:
+            shared[during] += (1.0 - xi) * (before - left[first])
+        if after is not None:
+            shared[during] += xi * (after - left[last])
+    return shared
+
+
+def _who_stands(planned: PlannedPhase) -> int | None:
+    """Return the leg that stands alone in a phase; None: both stand."""
+    right, left = planned.phase.standing
+    return None if right == left else int(left)
 
 
 def _joints(q: Array, posture: LegPosture) -> Iterator[tuple[Array, Array]]:

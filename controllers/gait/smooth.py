@@ -179,11 +179,11 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
             curve = _joint_curve(geometry, shape)
             duration = cycles * self.period
             at = self.period * np.arange(cycles + 1, dtype=np.float64)
-            told = allowed * self._told.get(entry.phase, 1.0)
+            told = kept = allowed * self._told.get(entry.phase, 1.0)
             for _ in range(_TRIES):
                 t, speeds = _least_peak(geometry, shape, duration, told)
                 lengths = _gone(curve.s, t, speeds, at)
-                over = curve.hardest(lengths, self.period) / allowed
+                over = curve.hardest(lengths, self.period) / kept
                 if over <= 1.0 + _OVER:
                     break
                 told /= over  # the path has a corner in its curvature between two samples

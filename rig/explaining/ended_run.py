@@ -15,6 +15,8 @@ from rig.run_facts import RunStatus, read_events, read_metrics
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
+_LOOKED_BACK = (_DIAGNOSIS, "fell", "camera")
+"""Kinds of events that say what a log told once its run had ended."""
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 10.0
@@ -68,7 +70,7 @@ def explain_run(folder: Path) -> list[Remark]:
 
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
-    said += [Remark(_DIAGNOSIS, sentence) for sentence in _diagnoses(folder)]
+    said += _looked_back(folder)
     rig = _rig_of(folder) or manifest.get("rig")
     if status == RunStatus.FAILED:
         return [*said, *_missed(folder), *_after_missing(rig)]
@@ -121,9 +123,9 @@ def age_since(ended: str | None) -> str:
     return f", {ago / size:.0f} {unit} ago"
 
 
-def _diagnoses(folder: Path) -> list[str]:
-    events = read_events(folder)
-    return [event["message"] for event in events if event.get("kind") == _DIAGNOSIS]
+def _looked_back(folder: Path) -> list[Remark]:
+    events = [(event.get("kind", ""), event) for event in read_events(folder)]
+    return [Remark(kind, event["message"]) for kind, event in events if kind in _LOOKED_BACK]
 
 
 def _cause_in(message: str) -> str:

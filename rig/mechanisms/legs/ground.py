@@ -1,15 +1,19 @@
-"""Whether the simulated ground is where a walk's footprints lie."""
+"""Whether the simulated ground is where a walk's footprints lie, and no edge of it under one."""
 
 import math
 from collections.abc import Iterable
 from typing import Protocol, cast
 
+from controllers.gait.footprints import Footstep
 from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.ground_plane import GroundPlane
+from controllers.gait.soles import heights_of, sole_corners
 
 _OFF = 2e-3
 """m; a print that is farther from the ground is another ground's. Soles land as hard as that."""
+_TOUCHES = 1e-3
+"""m; an edge that is no farther under a sole touches it at most."""
 _TURNED = math.radians(0.5)
 """rad; ground whose slope is farther from that of the plan is another ground."""
 
@@ -62,7 +66,32 @@ def prints_off_ground(geometry: LegGeometry, reference: object, plant: object) -
                 f"step {number} is planned to land {_words(step.height)}, and the simulated ground "
                 f"there is {_words(ground)} (plant.terrain)",
             )
+        over = _edge_under(geometry, step, terrain)
+        if over is not None:
+            x, higher = over
+            return (
+                f"step {number} is planned to land on an edge: at x {x * 1e3:.1f} mm, still under "
+                f"the sole, the simulated ground is {higher * 1e3:.3g} mm higher (plant.terrain)",
+            )
     return ()
+
+
+def _edge_under(
+    geometry: LegGeometry, step: Footstep, terrain: Iterable[_Block]
+) -> tuple[float, float] | None:
+    """Return where higher ground begins or ends under a sole, m, and by how much it is higher."""
+    at = (step.x, step.y, step.height)
+    lies = (step.roll, step.pitch, step.heading)
+    ahead = [x for x, _ in sole_corners(geometry, at, lies)]
+    back, front = min(ahead) + _TOUCHES, max(ahead) - _TOUCHES
+    for block in terrain:
+        for edge in (block.start, block.start + block.length):
+            if back < edge < front:
+                top = block.height + math.tan(block.slope) * (edge - block.start)
+                (sole,) = heights_of(at, lies, [(edge, step.y)])
+                if top - sole > _OFF:
+                    return edge, top - sole
+    return None
 
 
 def _words(height: float) -> str:

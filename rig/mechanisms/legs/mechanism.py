@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from controllers.gait.balance import from_edge
 from controllers.gait.corrections import Corrections
-from controllers.gait.footsteps import LegsMotion
+from controllers.gait.footsteps import FootstepsSettings, LegsMotion, phases_of
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.law import AnyGaitLaw, GaitLaw
 from controllers.gait.motions import GaitRequest
@@ -21,7 +21,7 @@ from rig.hal.motion import Motion, Note, Segment
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.ground import prints_off_ground
 from rig.mechanisms.legs.halt import Halt
-from rig.mechanisms.legs.remarks import remarks_of_plan
+from rig.mechanisms.legs.remarks import remarks_of_plan, remarks_on_edges
 from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
 from rig.mechanisms.legs.stance import check_stance
@@ -29,6 +29,9 @@ from rig.mechanisms.servo.axes import AxisLimits, Kinds
 from rig.mechanisms.servo.columns import servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
 from rig.mechanisms.servo.settings import ServoLimits
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
 
 _FINE = 1e-3
 """Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
@@ -40,7 +43,7 @@ _FINE_SAMPLES = 120_000
 class PlannedGait(PlannedMotion[LegsReference]):
     """A plan of a law as the loop follows it, with what is known of it beforehand.
 
-    Parameters are those of `plan_facts`.
+    Parameters are those of `plan_facts`; `corrections` are the law's, `remarks` more to be told.
     """
 
     def __init__(
@@ -50,6 +53,7 @@ class PlannedGait(PlannedMotion[LegsReference]):
         distance: float = 0.0,
         flat: GaitPlan | None = None,
         corrections: Corrections | None = None,
+        remarks: Sequence[Note] = (),
     ) -> None:
         self.plan = plan
         self._corrections = corrections
@@ -70,7 +74,7 @@ class PlannedGait(PlannedMotion[LegsReference]):
         ]
         super().__init__(np.column_stack(columns))
         self.facts = plan_facts(plan, fine, distance, flat)
-        self.remarks = remarks_of_plan(fine)
+        self.remarks = (*remarks_of_plan(fine), *remarks)
 
     @property
     def duration(self) -> float:
@@ -107,7 +111,8 @@ def _planned(
     def stretched(plan: GaitPlan) -> GaitPlan:
         return plan if share == 1.0 else plan.stretched(share, settings.balance)
 
-    asked_time = sum(phase.duration for phase in reference.phases(settings.geometry))
+    phases = phases_of(reference, settings.geometry, settings.balance.min_margin)
+    asked_time = sum(phase.duration for phase in phases)
     step = share * min(max(_FINE, asked_time / _FINE_SAMPLES), period)
     finer = law.finer(step) if isinstance(law, GaitLaw) else law.at_period(step)
     fine = stretched(finer.prepare(reference))
@@ -119,7 +124,10 @@ def _planned(
     distance = reference.advance(settings.geometry)
     plan = stretched(law.prepare(reference))
     corrections = law.corrections if isinstance(law, GaitLaw) else None
-    return PlannedGait(plan, fine, distance, flat, corrections)
+    edges = remarks_on_edges(plan, settings.sag)
+    if isinstance(reference, FootstepsSettings):
+        edges = tuple([Note(kind, reference.with_line(words)) for kind, words in edges])
+    return PlannedGait(plan, fine, distance, flat, corrections, edges)
 
 
 class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
@@ -229,6 +237,14 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             return None
         law = controller.at_period(share * period)
         return SlowedLaw(law, share, LegsCommand), _planned(settings, reference, law, period, share)
+
+    def remarks(self, logged: "Logged") -> tuple[Note, ...]:
+        """Return when a simulated robot fell, if it did; see `Mechanism.remarks`."""
+        if self.motion is None:
+            return ()
+        from rig.mechanisms.legs.hindsight import remark_on_fall
+
+        return remark_on_fall(logged, [planned.phase.name for planned in self.motion.plan.phases])
 
     @property
     def brakes_itself(self) -> bool:  # type: ignore[override]

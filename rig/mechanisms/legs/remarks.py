@@ -1,8 +1,10 @@
-"""What is said of a walk before it is done: what its law does not keep."""
+"""What is said of a walk before it is done: rates its law does not keep, feet without room."""
 
 import numpy as np
 
+from controllers.gait.correction_settings import SagSettings
 from controllers.gait.geometry import AXIS_NAMES
+from controllers.gait.landings import landings
 from controllers.gait.plan import GaitPlan
 from controllers.rounding import floor
 from rig.hal.motion import Note
@@ -36,3 +38,35 @@ def remarks_of_plan(fine: GaitPlan) -> tuple[Note, ...]:
             f"{floor(limit / peak):g} times the speed it would keep them; sc and sc-smooth do",
         ),
     )
+
+
+def remarks_on_edges(plan: GaitPlan, sag: SagSettings | None) -> tuple[Note, ...]:
+    """Return the first foot that may come down on the edge of higher ground, and tip the robot.
+
+    Parameters
+    ----------
+    plan : GaitPlan
+        Of the walk.
+    sag : SagSettings, optional
+        How the servos' yielding is compensated; None: it is not, and feet come down off their
+        prints.
+    """
+    if sag is not None or np.ptp(plan.feet[:, :, 2]) == 0.0:
+        return ()
+    stiffness = SagSettings().stiffness
+    off = 0.0
+    for landing in landings(plan, stiffness):
+        off = max(off, landing.off)
+        if off > 0.5 * landing.room:  # where the edge is between the two, the plan does not say
+            return (
+                Note(
+                    "has little room",
+                    f"{landing.phase} comes down {landing.room * 1e3:.1f} mm beside a print that "
+                    f"is {landing.higher * 1e3:.3g} mm higher, and by then feet are "
+                    f"{off * 1e3:.1f} mm off their prints, as servos of {stiffness:g} N m/rad "
+                    f"yield to the robot's weight: a foot on the edge between tips the robot over. "
+                    f"With legs.sag={{}} what they yield is commanded beforehand; longer treads "
+                    f"leave more room",
+                ),
+            )
+    return ()

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from controllers.gait.footstep_numbers import StepNumbers
+from controllers.gait.footprints import Footstep, StepNumbers
 from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
@@ -65,6 +65,23 @@ def test_a_print_off_the_simulated_ground_is_told_as_above_or_below(rise, ground
     plant = SimpleNamespace(terrain=(block,), floor_pitch=0.0, floor_roll=0.0)
     (note,) = prints_off_ground(LegGeometry(), FootstepsSettings(numbers=numbers), plant)
     assert said in note
+
+
+@pytest.mark.parametrize(
+    ("length", "heading", "edge"), [(0.1, 0.0, None), (0.085, 0.0, 100.0), (0.1, 0.3, 100.0)]
+)
+def test_a_print_that_reaches_under_the_edge_of_higher_ground_is_told(length, heading, edge):
+    """Its ankle is on its tread; a corner of the sole that is turned, or too near, is not."""
+    blocks = [SimpleNamespace(start=-1.0, length=1.1, height=0.01, slope=0.0)]
+    plant = SimpleNamespace(terrain=tuple(blocks), floor_pitch=0.0, floor_roll=0.0)
+    at = 0.1 + (length - 0.1) + LegGeometry().sole.back
+    steps = (Footstep("left", 0.05, 0.039, height=0.01), Footstep("right", at, -0.039, heading))
+    notes = prints_off_ground(LegGeometry(), FootstepsSettings(steps=steps), plant)
+    assert bool(notes) == (edge is not None)
+    if edge is not None:
+        words = f"step 2 is planned to land on an edge: at x {edge:.1f} mm, still under the sole"
+        assert words in notes[0]
+        assert "is 10 mm higher" in notes[0]
 
 
 def test_a_floor_that_slopes_otherwise_than_the_plan_begins_is_told():
