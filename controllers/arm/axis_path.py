@@ -21,7 +21,7 @@ from controllers.arm.kinematics import (
 )
 from controllers.arm.reversals import with_reversals
 from controllers.arm.singular_places import NEAR
-from controllers.arm.trajectory import Trajectory
+from controllers.arm.trajectory import ThroughPlaces, Trajectory, where_on
 from controllers.arm.types import Joints, Pose
 from controllers.arm.vectors import rotation_error
 from controllers.motion import InfeasibleMotion
@@ -41,6 +41,12 @@ _FEWEST = 40
 _SHORTEST = 1e-13
 """Share of the path below which a step is not divided any more: past two near misses at once, of
 some µm, the joints swing within 1e-10 of it. An instant is known to 1e-16 of it."""
+_SLIGHT = 1e-3
+"""m: by so little a path is outside that was to touch the boundary."""
+_HELD = (
+    " Places that lie nearer together there, or a little further inside, hold the curve within; "
+    "to the boundary itself and back lead arm-turnback, arm-dwell and arm-circle."
+)
 _LOOKED_AT = 500
 """Places of a path that leaves the workspace at which it is looked at by how much."""
 _CLOSER = 3
@@ -302,13 +308,15 @@ def _farthest(trajectory: Trajectory, t: float, left: OutOfReach, reached: Inver
         step = (high - low) / (count - 1)
         low, high = max(at - step, 0.0), min(at + step, trajectory.duration)
         count = _LOOKED_AT // 10
-    return f"It is farthest outside {_gone(trajectory, at)}, by {1e3 * most:.3g} mm."
+    told = f"It is farthest outside {_gone(trajectory, at)}, by {1e3 * most:.3g} mm."
+    return f"{told}{_HELD}" if most < _SLIGHT and isinstance(trajectory, ThroughPlaces) else told
 
 
 def _gone(trajectory: Trajectory, t: float) -> str:
     """Return in words how far along a path an instant is."""
     speed, unit = (trajectory.speed, "m") if trajectory.speed else (trajectory.turn_rate, "rad")
-    return f"after {speed * t:.4f} {unit} of {speed * trajectory.duration:.4f} {unit}"
+    gone = f"after {speed * t:.4f} {unit} of {speed * trajectory.duration:.4f} {unit}"
+    return f"{gone}{where_on(trajectory, t)}"
 
 
 def _extrapolated(nominal: list[float], joints: list[Joints], t: float) -> Joints:

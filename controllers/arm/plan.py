@@ -1,7 +1,7 @@
 """A whole motion before anything moves: its samples, its checks, what figures need of it."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
@@ -17,6 +17,7 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_in_plane,
 )
+from controllers.arm.trajectory import where_on
 from controllers.arm.types import ArmReference, Joints, Twist, Vector
 from controllers.motion import InfeasibleMotion
 
@@ -206,7 +207,8 @@ def make_plan(
     arm = dimensions_of(geometry)
     t = period * np.arange(len(samples), dtype=np.float64)
     positions = np.array([sample.positions for sample in samples])
-    check_joint_limits(geometry, positions, t)
+    nominal = period * np.cumsum([sample.linear for sample in samples])
+    check_joint_limits(geometry, positions, t, lambda k: where_on(trajectory, float(nominal[k])))
     velocities = np.array([sample.velocities for sample in samples])
     hand = np.array([forward(arm, sample.positions).position for sample in samples])
     twist = np.array([hand_twist(arm, sample.positions, sample.velocities) for sample in samples])
@@ -280,8 +282,24 @@ class RangeWatch:
                 )
 
 
-def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> None:
+def check_joint_limits(
+    geometry: ArmGeometry,
+    positions: Array,
+    t: Array,
+    where: Callable[[int], str] = lambda sample: "",
+) -> None:
     """Raise if a joint leaves its range.
+
+    Parameters
+    ----------
+    geometry : ArmGeometry
+        With the ranges.
+    positions : ndarray, shape (n, 6)
+        rad.
+    t : ndarray, shape (n,)
+        s.
+    where : callable
+        Takes a sample's number, returns in words where it is.
 
     Raises
     ------
@@ -300,8 +318,8 @@ def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> Non
         tuple((math.tau * np.clip(0.0, least, most)).tolist()) if (least <= most).all() else None
     )
     raise OutOfRange(
-        f"after {t[k]:.3f} s {AXIS_NAMES[j]} would be at {positions[k, j]:.4f} rad, outside its "
-        f"range of {lower[j]:.4f} to {upper[j]:.4f} rad.",
+        f"after {t[k]:.3f} s{where(k)} {AXIS_NAMES[j]} would be at {positions[k, j]:.4f} rad, "
+        f"outside its range of {lower[j]:.4f} to {upper[j]:.4f} rad.",
         turns,
     )
 

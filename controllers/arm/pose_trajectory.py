@@ -69,6 +69,7 @@ class PoseTrajectory:
             axes = np.array(frame.rotation)
             points = points @ axes.T + np.array(frame.position)
         u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+        self._given, self._poses = u, poses
         self._places = CubicSpline(u, points)
         self._turning = _turning(u, poses, axes, np.array(forward(arm, near).rotation))
         fine, lengths = self._measured(np.linspace(0.0, u[-1], _SAMPLES), u)
@@ -123,6 +124,16 @@ class PoseTrajectory:
         """Return the twist at a nominal time: the path is not turned back on."""
         return self.twist(gone)
 
+    def between(self, t: float) -> str:
+        """Return between which places a nominal time is; see `ThroughPlaces`."""
+        u = float(self._at(self.speed * min(t, self.duration)))
+        before = int(np.clip(np.searchsorted(self._given, u) - 1, 0, len(self._given) - 2))
+        said = f"between places {before + 1} and {before + 2}"
+        if not self._poses.source:
+            return said
+        first, second = self._poses.lines[before : before + 2]
+        return f"{said} (lines {first} and {second} of {self._poses.source})"
+
     def foot(self, position: Vector) -> Vector:
         """Return the nearest place of the path, m."""
         at = np.array(position)
@@ -162,7 +173,9 @@ class PoseTrajectory:
             branches = [branch for branch in BRANCHES if branch.elbow == elbow]
             found = reachable(arm, pose, branches, near)
         except OutOfReach as error:
-            raise InfeasibleMotion(f"the path cannot be begun: {error}.") from error
+            raise InfeasibleMotion(
+                f"the path cannot be begun: {error} ({self._poses.where(0)})."
+            ) from error
         return min(found, key=lambda q: float(np.linalg.norm(np.subtract(q, near))))
 
 

@@ -17,6 +17,12 @@ _SWINGS = ((0,), (2,), (3, 5))
 """Joints that move fast next to it."""
 
 
+_ROUND = math.radians(150.0)
+"""rad: a joint that swings farther turns round."""
+_BY_DIGITS = 1e-4
+"""S5, or c in m: nearer to a singularity a path is led by the digits it is written in."""
+
+
 class SingularPlace(NamedTuple):
     """A pass of a singularity.
 
@@ -62,7 +68,10 @@ class SingularPlace(NamedTuple):
         missed = f"past it at c = {1e3 * self.size:.4g} mm"
         if self.kind != "shoulder":
             missed = f"past it by {math.degrees(math.asin(min(self.size, 1.0))):.4g} deg"
-        return f"{missed}: {swung} while it is near, on the same branch"
+        told = f"{missed}: {swung} while it is near, on the same branch"
+        if self.kind == "elbow" or max(self.swings) < _ROUND or self.size > _BY_DIGITS:
+            return told
+        return f"{told}; exactly through it they would not, and the digits of the path decide that"
 
 
 def singular_places(indices: Array, q: Array) -> list[SingularPlace]:

@@ -1,7 +1,7 @@
 """What a path of the arm's hand is, whoever draws it."""
 
 from abc import ABC, abstractmethod
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.types import Joints, Pose, Twist, Vector
@@ -36,6 +36,19 @@ class Trajectory(Protocol):
 
     def foot(self, position: Vector) -> Vector:
         """Return the place of the path that is nearest to a tool point, base axes, m."""
+
+
+@runtime_checkable
+class ThroughPlaces(Protocol):
+    """A path through places that somebody has given."""
+
+    def between(self, t: float) -> str:
+        """Return in words between which of its places it is at a nominal time, s."""
+
+
+def where_on(trajectory: object, t: float) -> str:
+    """Return in words where on a path a nominal time (s) is, if places were given; else empty."""
+    return f", {trajectory.between(t)}" if isinstance(trajectory, ThroughPlaces) else ""
 
 
 class ArmPath(ABC):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -126,12 +126,23 @@ def compare(
             print_json({**content, "loops": margins})
         else:
             print_data("\n".join(table_lines(columns, rows, endings, margins)))
+            _say_missed({label: result.path for label, result in finished.items()})
         kept = "compare.json" if interrupted else "compare.png"
         click.echo(f"{'table' if interrupted else 'figure'}: {folder / kept}", err=True)
     if interrupted:
         return INTERRUPTED
     # A bound that one of them misses is a finding of the comparison, not its failure.
     return max((result.exit_code for result in results.values() if result.exit_code > 1), default=0)
+
+
+def _say_missed(runs: Mapping[str, Path]) -> None:
+    """Say which bounds each run missed: the table need not have a row for all of them."""
+    from rig.explaining.ended_run import missed_bounds
+
+    for label, path in runs.items():
+        missed = missed_bounds(path)
+        if missed:
+            click.echo(f"{label}: bound missed: {'; '.join(missed.values())}", err=True)
 
 
 def _chosen(text: str | None, known: Sequence[str]) -> tuple[str, ...]:

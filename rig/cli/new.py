@@ -105,7 +105,9 @@ def new(
     else:
         file = written = Path(f"{name}.yaml")
         if os.path.lexists(file):  # also a link to nowhere: what is written must not follow it
-            raise ConfigurationError(f"{file} is there already; nothing was written")
+            raise ConfigurationError(
+                f"{file} is there already; nothing was written: take another name"
+            )
         search = find_configs(configs)
         refuse_known_file(name, search)
         if kind == "experiment":

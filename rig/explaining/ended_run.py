@@ -145,8 +145,9 @@ def _suspected(folder: Path) -> list[str]:
     return causes or [event["message"] for event in events]
 
 
-def _missed(folder: Path) -> Iterator[Remark]:
-    """Return the bounds that a run missed."""
+def missed_bounds(folder: Path) -> dict[str, str]:
+    """Return the bounds that a run missed: a sentence each, by the measure's name."""
+    said = {}
     for row in read_metrics(folder):
         if row.get("pass") is not False:
             continue
@@ -154,8 +155,13 @@ def _missed(folder: Path) -> Iterator[Remark]:
         reached, limit = format_against(value, bound, row["unit"] or "1")
         wanted = f", {row.get('bound_kind') or 'bound'} {limit}" if limit else ""
         got = "has no value" if value is None else f"is {reached}"
-        meaning = f"`rig explain {row.get('measure', row['name'])}` says what it is"
-        yield Remark("missed", f"{row['name']} {got}{wanted}; {meaning}")
+        said[row.get("measure", row["name"])] = f"{row['name']} {got}{wanted}"
+    return said
+
+
+def _missed(folder: Path) -> Iterator[Remark]:
+    for measure, said in missed_bounds(folder).items():
+        yield Remark("missed", f"{said}; `rig explain {measure}` says what it is")
 
 
 def _after_missing(rig: str | None) -> Iterator[Remark]:

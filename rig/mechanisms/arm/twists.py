@@ -25,6 +25,13 @@ _EDGE = 1e-9
 class KnownTwists(PlannedArmMotion):
     """Twists that a law has gone through beforehand."""
 
+    def __init__(self, plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> None:
+        super().__init__(plan, geometry, asked)
+        end, *twist = (asked.known() or [(0.0,) * 7])[-1]
+        if any(twist):
+            note = f"at {end:g} s: the last row says when, and its own twist is not followed"
+            self.remarks = (*self.remarks, Note("ends", note))
+
     def at(self, t: float) -> ArmReference:
         """Return what the arm should do at `t`, and what it is asked for."""
         reference = super().at(t)
