@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 
 from controllers.arm.kinematics import Dimensions
 from controllers.motion import InfeasibleMotion
+from controllers.rounding import floor
 
 _LEAST = 0.6
 """Share of the constant of a dwell without ramps that one with ramps keeps at least."""
@@ -252,7 +253,6 @@ def make_dwell(
         raise InfeasibleMotion(
             f"a dwell of {duration:g} s would stop and reverse the arm in the region: b reaches "
             f"{dwell.middle:.4g}; at this speed and depth a quintic dwells at most "
-            f"{longest:.{4 if longest > 0.01 else 9}f} s. A slower hand "
-            "dwells for longer; esc has no such bound."
+            f"{floor(longest):g} s. A slower hand dwells for longer; esc has no such bound."
         )
     return dwell

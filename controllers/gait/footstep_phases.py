@@ -201,10 +201,12 @@ def hip_needs(geometry: LegGeometry, settings: SteppingSettings, walk: Walk) -> 
             out = math.hypot(x - s * side - ankle[0], y + c * side - ankle[1])
             most = ankle[2] - height + math.sqrt(max(reach**2 - out**2, 0.0))
             if out >= reach or most <= 0.0:
+                away = f"{out * 1e3:.1f} mm away from under its hip"
+                if out < reach:
+                    away = f"{(height - ankle[2]) * 1e3:.1f} mm below the standing one, {away}"
                 raise OutOfReach(
-                    f"{words}: the {LEGS[leg]} ankle would be {out * 1e3:.1f} mm away from under "
-                    f"its hip; a leg with its knee at {math.degrees(settings.knee_min):g} deg "
-                    f"reaches {reach * 1e3:.1f} mm.",
+                    f"{words}: the {LEGS[leg]} ankle would be {away}; a leg with its knee at "
+                    f"{math.degrees(settings.knee_min):g} deg reaches {reach * 1e3:.1f} mm.",
                     step,
                 )
             if settings.hip is not None and settings.hip > most and not too_high:

@@ -22,7 +22,7 @@ Row = tuple[Time, Speed, Speed, Speed, TurnRate, TurnRate, TurnRate]
 """From when on, s, and the twist, m/s and rad/s."""
 Silence = Annotated[float, Unit("s"), Interval(gt=0, le=0.1)]
 
-_FASTEST = 1000.0
+FASTEST = 1000.0
 """m/s or rad/s: what is more is a mistake, and squared no number."""
 _TIMES = {"s": 1.0, "ms": 1e-3}
 _SPEEDS = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
@@ -141,10 +141,10 @@ class TwistRows(ArmTwists):
                     f"{number - 1} ({before[0]:g} s)."
                 )
         for number, (_, *twist) in enumerate(rows, 1):
-            if max(map(abs, twist)) > _FASTEST:
+            if max(map(abs, twist)) > FASTEST:
                 raise InfeasibleMotion(
                     f"{name}row {number} asks for {max(twist, key=abs):g} m/s or rad/s; no arm is "
-                    f"faster than {_FASTEST:g}."
+                    f"faster than {FASTEST:g}."
                 )
         if rows[0][0] < 0.0:
             raise InfeasibleMotion(f"{name}row 1 is for {rows[0][0]:g} s, before the beginning.")

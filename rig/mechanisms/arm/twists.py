@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.on_direction.numbers import Six
-from controllers.arm.online.commands import ArmTwists, Heard
+from controllers.arm.online.commands import FASTEST, ArmTwists, Heard
 from controllers.arm.online.rehearsal import asked_in_base, share_of, twist_within
 from controllers.arm.plan import ArmPlan
 from controllers.arm.types import AT_REST, ArmReference
@@ -153,6 +153,11 @@ class HeardTwists(Motion[ArmReference]):
         twist = (vx, vy, vz, wx, wy, wz)
         if not all(math.isfinite(value) for value in twist):
             raise SafetyError(f"{self._name} asks for {twist}, which are not all numbers")
+        if max(map(abs, twist)) > FASTEST:
+            raise SafetyError(
+                f"{self._name} asks for {max(twist, key=abs):g} m/s or rad/s; no arm is faster "
+                f"than {FASTEST:g}"
+            )
         gap, self._heard = t - self._heard, t
         if self._silent:
             if any(twist):
