@@ -111,7 +111,8 @@ class PosePath(ArmPath):
                 raise InfeasibleMotion(_too_close(poses, number, away))
         if len(poses.places) < 2:
             raise InfeasibleMotion(
-                f"a path needs two places at least; there is {len(poses.places)}."
+                f"{f'{poses.source}: ' if poses.source else ''}a path needs two places at least; "
+                f"there is {len(poses.places)}."
             )
         carried = self.payload if self.torques else None
         return PoseTrajectory(

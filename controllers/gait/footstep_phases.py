@@ -103,7 +103,7 @@ def walk_over(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence
     return Walk(tuple(stances), start, (feet[0], feet[1]))
 
 
-class OutOfReach(BeyondLeg):
+class AnkleTooFar(BeyondLeg):
     """An ankle is too far from its hip at whatever height.
 
     Attributes
@@ -204,7 +204,7 @@ def hip_needs(geometry: LegGeometry, settings: SteppingSettings, walk: Walk) -> 
                 away = f"{out * 1e3:.1f} mm away from under its hip"
                 if out < reach:
                     away = f"{(height - ankle[2]) * 1e3:.1f} mm below the standing one, {away}"
-                raise OutOfReach(
+                raise AnkleTooFar(
                     f"{words}: the {LEGS[leg]} ankle would be {away}; a leg with its knee at "
                     f"{math.degrees(settings.knee_min):g} deg reaches {reach * 1e3:.1f} mm.",
                     step,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from controllers.gait.footprints import Footstep, SteppingSettings
 from controllers.gait.footstep_advice import SwingSoles, advise
 from controllers.gait.footstep_checks import BeyondLeg, check_phase
-from controllers.gait.footstep_phases import OutOfReach, hip_needs, walk_over, walk_phases
+from controllers.gait.footstep_phases import AnkleTooFar, hip_needs, walk_over, walk_phases
 from controllers.gait.footstep_trials import Trials
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.phases import GaitPhase
@@ -44,7 +44,7 @@ def plan_footsteps(
     trials = Trials(geometry, steps, min_margin)
     try:
         needs = hip_needs(geometry, settings, walk)
-    except OutOfReach as error:
+    except AnkleTooFar as error:
         hint = _what_fits(trials, settings, (error.step,), None, error)
         raise InfeasibleMotion(f"{error}{hint}") from error
     lowest = min(needs, key=lambda need: need.hips)

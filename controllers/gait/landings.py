@@ -75,7 +75,7 @@ def landings(plan: GaitPlan, stiffness: float) -> tuple[Landing, ...]:
 
 
 class _Print:
-    """Where a foot is to stand at a sample of a plan."""
+    """A footprint, as a plan has it at a sample."""
 
     def __init__(self, plan: GaitPlan, sample: int, leg: int) -> None:
         self.leg = leg

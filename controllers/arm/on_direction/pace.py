@@ -11,8 +11,9 @@ from controllers.arm.on_direction.direction import advanced, unit_rates
 from controllers.arm.on_direction.numbers import Six, TwistNumbers
 from controllers.compiled import inlined
 
-Step = tuple[bool, float, Six, Six]
-"""Whether it can be, the speed 0 … 1, the joints after it (rad), its mean rates (rad/s)."""
+Step = tuple[bool, float, Six, Six, float]
+"""Whether it can be, the speed 0 … 1, the joints after it (rad), its mean rates (rad/s), and with
+how much of what is asked for the hand goes."""
 
 _ROOM = 0.998
 """Share of the accelerations that is used: the rest is for the search."""
@@ -25,6 +26,8 @@ _REST = 1e-12
 _HALVINGS = 4
 _FINE = 1e-3
 """Speeds are not told apart more finely."""
+_ABOVE = 0.02
+"""Of the speed that is asked for, by which the hand may be faster."""
 _LEAST_PART = 1.0 / 64.0
 """Of the way to a new direction is tried; the whole first, and then half of it each time."""
 
@@ -59,7 +62,7 @@ def _step_at(n: TwistNumbers, q: Six, d: Six, side: float, u: Six, wanted: float
         0: as slow as can be.
     """
     dt = n.period
-    m, _share = unit_rates(n, q, d, side)
+    m, share = unit_rates(n, q, d, side)
     speed, after = 0.0, q
     for _ in range(_ROUNDS):
         low, high = _window(n, m, u)
@@ -79,7 +82,7 @@ def _step_at(n: TwistNumbers, q: Six, d: Six, side: float, u: Six, wanted: float
         (after[0] - q[0]) / dt, (after[1] - q[1]) / dt, (after[2] - q[2]) / dt,
         (after[3] - q[3]) / dt, (after[4] - q[4]) / dt, (after[5] - q[5]) / dt,
     )  # fmt: skip
-    return _permitted(n, q, after, side, u, rates), speed, after, rates
+    return _permitted(n, q, after, side, u, rates), speed, after, rates, speed * abs(share)
 
 
 @inlined
@@ -111,10 +114,14 @@ def _radius(n: TwistNumbers, q: Six) -> float:
 
 @inlined
 def _comes_to_rest(n: TwistNumbers, q: Six, d: Six, side: float, u: Six) -> bool:
-    """Return whether the joints can be brought to rest along a direction."""
+    """Return whether the joints can be brought to rest along a direction.
+
+    On that way the hand is no faster than it is asked to be: back from the boundary the joints'
+    rates are soon more than that.
+    """
     for _ in range(int(n.horizon)):
-        can, speed, q, u = _step_at(n, q, d, side, u, 0.0)
-        if not can:
+        can, speed, q, u, share = _step_at(n, q, d, side, u, 0.0)
+        if not can or share > 1.0 + _ABOVE:
             return False
         if speed == 0.0:
             return True
@@ -127,14 +134,15 @@ def _fastest(n: TwistNumbers, q: Six, d: Six, side: float, u: Six) -> Step:
     _m, share = unit_rates(n, q, d, side)
     most = 1.0 / abs(share) if abs(share) > 1.0 else 1.0
     found, low, high = False, 0.0, 0.0
-    best: Step = (False, 0.0, q, u)
+    best: Step = (False, 0.0, q, u, 0.0)
     for tries in range(_HALVINGS + 2):
         # As fast as asked for; as slow as can be; then what is between.
         wanted = most if tries == 0 else 0.0 if tries == 1 else 0.5 * (low + high)
         tried = _step_at(n, q, d, side, u, wanted)
         if tries == 0:
             high = tried[1]
-        if tried[0] and _comes_to_rest(n, tried[2], d, side, tried[3]):
+        slow = tried[4] <= 1.0 + _ABOVE
+        if tried[0] and slow and _comes_to_rest(n, tried[2], d, side, tried[3]):
             found, low, best = True, tried[1], tried
             if tries == 0:
                 break
@@ -144,7 +152,7 @@ def _fastest(n: TwistNumbers, q: Six, d: Six, side: float, u: Six) -> Step:
             high = wanted if tries > 1 else high
         if high - low < _FINE:
             break
-    return (found, best[1], best[2], best[3])
+    return (found, best[1], best[2], best[3], best[4])
 
 
 @inlined
@@ -204,12 +212,12 @@ def next_period(
         part, least = 1.0, 1.0 if _is_along(d, asked, dot) else _LEAST_PART
         while part >= least:
             tried = asked if part == 1.0 else _blended(abs(share), d, part, asked)
-            can, speed, after, rates = _fastest(n, q, tried, new, u)
+            can, speed, after, rates, _share = _fastest(n, q, tried, new, u)
             if can:
                 _m, b = unit_rates(n, q, tried, new)
                 return after, rates, tried, new, speed * b
             part *= 0.5
-    _can, speed, after, rates = _step_at(n, q, d, side, u, 0.0)
+    _can, speed, after, rates, _share = _step_at(n, q, d, side, u, 0.0)
     _m, b = unit_rates(n, q, d, side)
     if speed == 0.0:
         side = math.copysign(1.0, s3) if abs(s3) > _EDGE else side

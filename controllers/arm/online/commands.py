@@ -2,6 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -157,13 +158,10 @@ class TwistRows(ArmTwists):
 
 def twist_at(rows: Sequence[Row], t: float) -> Six:
     """Return the twist of the last row that has begun; before the first and after the last none."""
-    asked: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for begin, *twist in rows[:-1]:
-        if begin > t:
-            return asked
-        vx, vy, vz, wx, wy, wz = twist
-        asked = (vx, vy, vz, wx, wy, wz)
-    return asked if t < rows[-1][0] else (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    number = bisect_right(rows, t, key=lambda row: row[0]) - 1
+    if not 0 <= number < len(rows) - 1:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return rows[number][1:]
 
 
 def read_rows(path: Path) -> list[Row]:
