@@ -11,6 +11,7 @@ import click
 from rig.cli.file_kinds import asks_of_experiment, experiment_of_same_name, is_experiment
 from rig.cli.names import complete_config, configs_option, json_option, rig_option, set_option
 from rig.cli.on_option import OnBackend
+from rig.cli.patience import told_if_long
 from rig.cli.tables import print_json, print_tables
 
 if TYPE_CHECKING:
@@ -122,7 +123,8 @@ def load(
     if meant or is_experiment(source, search):
         from rig.experiment.plan import load_plan
 
-        plan = load_plan(source, overrides, rig=rig, configs=configs)
+        with told_if_long("planning the motion"):
+            plan = load_plan(source, overrides, rig=rig, configs=configs)
         return plan.profile, plan
     if rig is not None:
         raise click.UsageError(f"{source} is a rig; --rig goes with an experiment")

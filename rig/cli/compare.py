@@ -22,6 +22,7 @@ from rig.cli.names import (
     with_seed,
     yes_option,
 )  # fmt: skip
+from rig.cli.patience import told_if_long
 from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
@@ -80,18 +81,19 @@ def compare(
     from rig.report.compare import compare_metrics, draw_comparison
 
     options = with_seed(overrides, seed)
-    plan = load_plan(experiment, options, rig=rig_name, configs=configs)
+    with told_if_long("planning the motion"):
+        plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if not may_move(plan, backend, yes):
         return 2
     names: tuple[str, ...] = (plan.experiment.controller,)
     if controllers is not None or vary is None:
         names = _chosen(controllers, tuple(plan.profile.controllers))
-    jobs, refused = _permitted(
-        [
-            Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
-            for label, own in _variants(names, vary)
-        ]
-    )
+    asked = [
+        Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
+        for label, own in _variants(names, vary)
+    ]
+    with told_if_long("planning it under each of them"):
+        jobs, refused = _permitted(asked)
     ended, interrupted = run_all(jobs, backend)
     results = {job.label: ended[job.label] for job in jobs if job.label in ended}
     for label, result in results.items():

@@ -21,6 +21,7 @@ from rig.cli.names import (
     yes_option,
 )  # fmt: skip
 from rig.cli.on_option import FrameFormat, OnBackend
+from rig.cli.patience import told_if_long
 from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
@@ -127,7 +128,8 @@ def run(
         find_configs(configs),
         f"run an experiment on it: rig run EXPERIMENT --rig {experiment}",
     )
-    plan = load_plan(experiment, options, rig=rig_name, configs=configs)
+    with told_if_long("planning the motion"):
+        plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")
     under = None if beside is None else find_run(beside, out)

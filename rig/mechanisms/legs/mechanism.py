@@ -21,7 +21,7 @@ from rig.hal.motion import Motion, Note, Segment
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.ground import prints_off_ground
 from rig.mechanisms.legs.halt import Halt
-from rig.mechanisms.legs.remarks import remarks_of_plan, remarks_on_edges
+from rig.mechanisms.legs.remarks import remarks_of_plan, remarks_on_edges, remarks_on_jumps
 from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
 from rig.mechanisms.legs.stance import check_stance
@@ -74,7 +74,7 @@ class PlannedGait(PlannedMotion[LegsReference]):
         ]
         super().__init__(np.column_stack(columns))
         self.facts = plan_facts(plan, fine, distance, flat)
-        self.remarks = (*remarks_of_plan(fine), *remarks)
+        self.remarks = (*remarks_of_plan(fine), *remarks_on_jumps(plan), *remarks)
 
     @property
     def duration(self) -> float:

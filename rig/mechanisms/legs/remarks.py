@@ -9,6 +9,8 @@ from controllers.gait.plan import GaitPlan
 from controllers.rounding import floor
 from rig.hal.motion import Note
 
+_JUMP = 0.5
+"""Share of the greatest joint rate by which one may change within a period."""
 _KEPT = 1.001
 """Share of the greatest joint rate that counts as kept."""
 
@@ -36,6 +38,34 @@ def remarks_of_plan(fine: GaitPlan) -> tuple[Note, ...]:
             f"after {at:.3f} s {AXIS_NAMES[joint]} would need {peak:.4g} rad/s, beyond its limit "
             f"of {limit:g} rad/s: {fine.law} does not bound the joints' rates; at "
             f"{floor(limit / peak):g} times the speed it would keep them; sc and sc-smooth do",
+        ),
+    )
+
+
+def remarks_on_jumps(plan: GaitPlan) -> tuple[Note, ...]:
+    """Return the joint whose rate would jump, if a law asks for what no servo can do.
+
+    Parameters
+    ----------
+    plan : GaitPlan
+        At the loop's period.
+
+    Notes
+    -----
+    Such walks are within all rates and in balance on paper; in simulation the robot falls.
+    """
+    changes = np.abs(np.diff(plan.q_dot, axis=0))
+    sample, joint = np.unravel_index(int(np.argmax(changes)), changes.shape)
+    jump, limit = float(changes[sample, joint]), plan.geometry.max_rate
+    if jump <= _JUMP * limit:
+        return ()
+    return (
+        Note(
+            "jumps",
+            f"after {plan.t[sample]:.3f} s {AXIS_NAMES[joint]} would change its rate by "
+            f"{jump:.3g} rad/s within a period of {plan.period * 1e3:g} ms, and its greatest rate "
+            f"is {limit:g} rad/s: {plan.law} does not bound accelerations, and the robot may fall; "
+            f"sc-smooth does",
         ),
     )
 

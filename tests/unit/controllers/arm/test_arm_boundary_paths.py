@@ -93,8 +93,8 @@ def test_a_spline_that_leaves_the_workspace_is_refused_with_where_it_is_farthest
     with pytest.raises(InfeasibleMotion, match="the path leaves the workspace") as refused:
         plan(points)
     said = re.search(
-        r"after (\S+) m of \S+ m, between places \d and \d the path leaves.* m\. It is farthest outside after "
-        r"(\S+) m of \S+ m, by (\S+) mm\.$",
+        r"after (\S+) m of \S+ m, between places \d and \d the path leaves.* m\. It is farthest "
+        r"outside after (\S+) m of \S+ m, between places \d and \d, by (\S+) mm\.",
         str(refused.value),
     )
     gone = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(spline, axis=0), axis=1))))
@@ -112,7 +112,9 @@ def test_how_far_a_narrow_bulge_leads_outside_is_found_between_the_places_looked
     beyond = np.linalg.norm(spline - TOOL, axis=1) - REACH
     with pytest.raises(InfeasibleMotion, match="farthest outside") as refused:
         plan(points)
-    said = re.search(r"farthest outside after \S+ m of \S+ m, between.*, by (\S+) mm", str(refused.value))
+    said = re.search(
+        r"farthest outside after \S+ m of \S+ m, between.*, by (\S+) mm", str(refused.value)
+    )
     assert 1e-3 * float(said[1]) == pytest.approx(beyond.max(), rel=5e-3)
 
 

@@ -149,13 +149,13 @@ def test_our_dwell_is_exact_keeps_going_and_stays_on_the_line(dwell):
 
 
 def test_the_natural_slope_stops_and_is_refused_with_the_longest_dwell():
-    with pytest.raises(InfeasibleMotion, match=r"-0\.13.*at most 3\.44\d\d s"):
+    with pytest.raises(InfeasibleMotion, match=r"-0\.13.*at most 3\.44\d? s"):
         paper(DwellLine(), dwell_slope="natural")
     assert stay(paper(DwellLine(dwell=3.4), dwell_slope="natural")) == pytest.approx(3.4, abs=1e-3)
 
 
 def test_the_printed_speed_is_refused_with_the_longest_dwell():
-    with pytest.raises(InfeasibleMotion, match=r"b reaches -5\.6\d+; .*at most 0\.419\d s"):
+    with pytest.raises(InfeasibleMotion, match=r"b reaches -5\.6\d+; .*at most 0\.41\d+ s"):
         paper(DwellLine(speed=0.6))
     plan = Esc(EscSettings(), ArmGeometry(rate_limits=(10.0,) * 6), 1e-3).prepare(
         DwellLine(speed=0.6)
