@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 _INDICES = (
@@ -32,6 +35,8 @@ _INDICES = (
     ("index_wrist", "wrist: $S_5$"),
 )
 _POSTURES = 9
+_ASIDE = 0.25
+"""Sine of how far an arm may point aside of x and still be drawn over x."""
 _POINTS = ("plan.elbow", "plan.wrist", "reference.hand")
 
 
@@ -95,8 +100,10 @@ def draw_hand(run: RunData) -> "Figure | None":
             asked = run.trace(f"plan.asked_{name}")
             measured = run.trace(f"reading.twist_{name}")
             draw_line(axes, t, measured, GREY, "measured", lw=2.0)
-            draw_line(axes, t, planned, BLUE, "commanded, scaled by b", lw=0.9)
-            draw_line(axes, t, asked, INK, "asked for by the path", lw=0.7, ls=(0, (4, 2)))
+            draw_line(
+                axes, t, planned, BLUE, "commanded: b (0 … 1) times what is asked for", lw=0.9
+            )
+            draw_line(axes, t, asked, INK, "asked for", lw=0.7, ls=(0, (4, 2)))
             mark_region(axes, run)
             finish_time_axis(axes, t, f"${symbol}_{axis}$ ({unit})", "")
             extent = max(extent, *(float(np.abs(x).max()) for x in (planned, asked)))
@@ -137,7 +144,7 @@ def draw_inside(run: RunData) -> "Figure | None":
 
 
 def draw_arm(run: RunData) -> "Figure | None":
-    """Draw the arm along its path, from the side and from above."""
+    """Draw the arm along its path, from the side to which it points and from above."""
     if not run.has("plan.elbow_x", "plan.wrist_x", "reference.hand_x"):
         return None
     figure = new_figure(PAGE, 84.0)
@@ -146,20 +153,23 @@ def draw_arm(run: RunData) -> "Figure | None":
     chosen = np.linspace(0, len(run.time) - 1, _POSTURES).astype(int)
     geometry = run.settings["geometry"]
     base = float(geometry["base_height"])
+    shoulder = _shoulders(run, geometry)
+    heading = _heading(tracks[-1])
     for number, k in enumerate(chosen):
-        points = np.array([(0.0, 0.0, base), *(track[k] for track in tracks)])
+        points = np.array([(0.0, 0.0, base), *shoulder[k : k + 1], *(track[k] for track in tracks)])
         shade = 0.85 - 0.75 * number / (_POSTURES - 1)
         color = (shade, shade, shade)
-        side.plot(points[:, 0], points[:, 2], "-o", ms=2.0, lw=1.2, color=color)
+        side.plot(_along(points, heading), points[:, 2], "-o", ms=2.0, lw=1.2, color=color)
         above.plot(points[:, 0], points[:, 1], "-o", ms=2.0, lw=1.2, color=color)
-    x, y, z = run.track("reference.hand").T
-    side.plot(x, z, color=VERMILION, lw=1.2, label="path of the hand")
-    above.plot(x, y, color=VERMILION, lw=1.2, label="path of the hand")
-    marks = _mark_singularities(run, side, above)
+    hand = run.track("reference.hand")
+    side.plot(_along(hand, heading), hand[:, 2], color=VERMILION, lw=1.2, label="path of the hand")
+    above.plot(hand[:, 0], hand[:, 1], color=VERMILION, lw=1.2, label="path of the hand")
+    marks = _mark_singularities(run, side, above, _along(hand, heading))
     _draw_boundary(side, base, geometry)
-    for axes, label in ((side, "z (m)"), (above, "y (m)")):
+    towards = f"along {np.degrees(heading):.0f} deg about z (m)" if heading else "x (m)"
+    for axes, across, label in ((side, towards, "z (m)"), (above, "x (m)", "y (m)")):
         axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel("x (m)")
+        axes.set_xlabel(across)
         axes.set_ylabel(label)
     above.plot([], [], "-o", ms=2.0, color="#555555", label="arm, light to dark")
     reach = side.get_legend_handles_labels()[0][-1]
@@ -168,7 +178,33 @@ def draw_arm(run: RunData) -> "Figure | None":
     return figure
 
 
-def _mark_singularities(run: RunData, side: "Axes", above: "Axes") -> list["Artist"]:
+def _heading(hand: "Array") -> float:
+    """Return to which side of z the arm points, rad; 0 where that is nearly along x."""
+    x, y = hand[:, :2].mean(axis=0)
+    heading = float(np.arctan2(y, x))
+    return 0.0 if abs(np.sin(heading)) < _ASIDE else heading
+
+
+def _along(points: "Array", heading: float) -> "Array":
+    """Return how far points are along a heading, m."""
+    ahead: Array = np.cos(heading) * points[:, 0] + np.sin(heading) * points[:, 1]
+    return ahead
+
+
+def _shoulders(run: RunData, geometry: dict[str, float]) -> "Array":
+    """Return the shoulder at each sample, m; none where it is on the axis of q1."""
+    ahead, aside = geometry.get("a1", 0.0), geometry["shoulder_offset"]
+    if not (ahead or aside) or not run.has("command.position_q1"):
+        return np.empty((0, 3))
+    q1 = run.trace("command.position_q1")
+    c, s = np.cos(q1), np.sin(q1)
+    height = np.full(len(q1), geometry["base_height"])
+    return np.column_stack((c * ahead - s * aside, s * ahead + c * aside, height))
+
+
+def _mark_singularities(
+    run: RunData, side: "Axes", above: "Axes", along: "Array"
+) -> list["Artist"]:
     """Mark on the path where it goes through singularities, filled, or past them; for a legend."""
     joints = [f"command.position_{name}" for name in JOINTS]
     indices = [f"plan.{name}" for name, _ in _INDICES]
@@ -181,10 +217,11 @@ def _mark_singularities(run: RunData, side: "Axes", above: "Axes") -> list["Arti
         how = "through" if place.through else "past"
         fill = BLUE if place.through else "white"
         marker = {"shoulder": "s", "elbow": "^", "wrist": "o"}[place.kind]
-        for axes, height in ((side, z), (above, y)):
+        for axes, across, height in ((side, along, z), (above, x, y)):
             axes.plot(
-                x[place.at], height[place.at], marker, ms=5.0, mfc=fill, mec=BLUE, mew=1.0, zorder=5
-            )
+                across[place.at], height[place.at], marker,
+                ms=5.0, mfc=fill, mec=BLUE, mew=1.0, zorder=5,
+            )  # fmt: skip
         label = f"{how} the {place.kind}'s singularity"
         if label not in drawn:
             from matplotlib.lines import Line2D

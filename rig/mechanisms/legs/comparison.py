@@ -52,9 +52,10 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     for axes, run, label in zip(panels, runs, labels, strict=True):
         top = top or axes
         _draw_rates(axes, run)
-        axes.set_title(label, loc="left", pad=2.0)
+        most = float(np.abs(axes.dataLim.get_points()[:, 1]).max())
+        axes.set_title(f"{label}: up to {most:.3g} rad/s as commanded", loc="left", pad=2.0)
     panels[-1].set_xlabel(TIME_LABEL)
-    walks.supylabel("knee rate (rad/s)", fontsize=8.5)
+    walks.supylabel("knee rate (rad/s), each law on its own scale", fontsize=8.5)
     place_legend(panels[0], 2)
     known = [
         (cost, values)

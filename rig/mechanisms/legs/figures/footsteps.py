@@ -1,5 +1,6 @@
 """Footprints from above: planned, measured, and what is above them; and all joints' rates."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+_APART = 14.0
+"""Of two numbers of prints, mm."""
 _PALE = "#b4bdc7"
 _ROWS = (
     ("hip_yaw", "hip_roll", "ankle_roll"),
@@ -42,6 +45,7 @@ def draw_footsteps(run: RunData) -> "Figure | None":
     planned = _feet(run, "reference")
     measured = _feet(run, "truth") if run.has("truth.right_foot_x") else None
     landed = landings(run)
+    taken: list[Array] = []
     for number, leg in enumerate(LEGS):
         way = planned[:, number] * 1e3
         ground.plot(way[:, 0], way[:, 1], color=COLORS[leg], lw=0.6, ls=(0, (1, 2)))
@@ -49,10 +53,15 @@ def draw_footsteps(run: RunData) -> "Figure | None":
             corners = sole_outline(run, leg, sample) * 1e3
             ground.fill(*corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8)
             if count:
-                # Inside the toes, a tenth of the sole from their edge.
-                at = 0.45 * (corners[0] + corners[1]) + 0.05 * (corners[2] + corners[3])
+                at = _place_of_number(corners, taken)
+                taken.append(at)
                 ground.annotate(
-                    str(count), at, fontsize=7, ha="center", va="center", color=COLORS[leg]
+                    str(count),
+                    tuple(at.tolist()),
+                    fontsize=7,
+                    ha="center",
+                    va="center",
+                    color=COLORS[leg],
                 )
     for name, color, width, label in (
         ("plan.zero_moment", _PALE, 2.4, "zero-moment point, planned"),
@@ -78,6 +87,16 @@ def draw_footsteps(run: RunData) -> "Figure | None":
     ground.set_ylabel("to the left (mm)")
     place_legend(ground, 2)
     return figure
+
+
+def _place_of_number(corners: "Array", taken: Sequence["Array"]) -> "Array":
+    """Return where a print's number has room, mm: inside the toes, the heel, or between."""
+    toes, heel = 0.5 * (corners[0] + corners[1]), 0.5 * (corners[2] + corners[3])
+    places = [toes + share * (heel - toes) for share in (0.1, 0.9, 0.3, 0.7)]
+    for at in places:
+        if all(np.linalg.norm(at - other) > _APART for other in taken):
+            return np.asarray(at)
+    return np.asarray(places[0])
 
 
 def draw_rates(run: RunData) -> "Figure | None":
