@@ -39,6 +39,7 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
+    "rig/mechanisms/pneumatic/alarms/frozen.py": ("mechanisms/test_pneumatic_frozen_monitor.py",),
     "rig/mechanisms/pneumatic/alarms/dead_time.py": ("mechanisms/test_pneumatic_dead_time.py",),
     "rig/mechanisms/pneumatic/alarms/ways.py": ("mechanisms/test_pneumatic_pressure_ways.py",),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),

@@ -160,7 +160,8 @@ def test_a_pressure_stays_where_it_was_when_it_was_last_well():
             turns = 40.0 * STEP * (cycle % 400 + 1)
             share = 1.0 - math.exp(-turns) * (1.0 + turns)
             up = 100e3 * (share if cycle < 400 else 1.0 - share)
-            bench.pass_by(1, ch1=up, ch2=max(up, 100e3 * (cycle > 400)), ch3=up, ch4=up)
+            stays = max(up, 100e3 * (cycle > 400)) + cycle % 2  # as its monitor's noise has it
+            bench.pass_by(1, ch1=up, ch2=stays, ch3=up, ch4=up)
     assert 400 < cycle < 500
 
 

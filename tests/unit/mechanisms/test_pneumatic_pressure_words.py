@@ -10,9 +10,11 @@ from pressure_bench import (
     CALM,
     CYCLES,
     DEVIATION,
+    LOOP,
     NEVER,
     START,
     STEP,
+    TIME,
     Bench,
     pressure_bounds,
 )  # fmt: skip
@@ -398,3 +400,32 @@ def test_a_regulator_is_slow_for_four_time_constants_before_it_is_told():
             bench.pass_by(1, ch1=pressure)
     assert bench.watch._channels[0].quick_at == slow_since
     assert bench.now - slow_since == 4.0 / 64.0 + STEP
+
+
+@pytest.mark.parametrize(("goes", "is_told"), [(4.7e3, False), (5.3e3, True), (40e3, True)])
+def test_a_monitor_that_says_the_very_same_while_its_setpoint_moves_is_frozen(goes, is_told):
+    """Its deviation is permitted still; twice the hysteresis is what the pressure has to move."""
+    bench = Bench(deviation=NEVER)
+
+    def pass_by(cycles):
+        for k in range(cycles):
+            noise = 1.0 + k % 2
+            bench.pass_by(1, **dict.fromkeys(("ch1", "ch2", "ch4"), noise), ch3=stays or noise)
+
+    stays = 0.0
+    pass_by(1024)
+    stays = 56.0
+    bench.watch.send([START, START, START + goes, START])
+    pass_by(2)
+    if not is_told:
+        pass_by(64 * CYCLES)
+        return
+    with pytest.raises(SafetyError) as caught:
+        pass_by(4 * CYCLES)
+    words = (
+        r"valves: the monitor of ch3 is frozen, or its regulator is stuck \[ch3: exactly "
+        r"200\.1 kPa for (\S+) s, at most 0\.0156 s while a healthy regulator goes by (\S+) kPa\]"
+    )
+    lasted, gone = map(float, re.fullmatch(words, str(caught.value)).groups())
+    assert lasted > TIME
+    assert 2e-3 * LOOP <= gone < 1.06e-3 * goes

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
+from rig.mechanisms.pneumatic.alarms.frozen import FrozenMonitors
 from rig.mechanisms.pneumatic.alarms.ways import PressureWays
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
@@ -32,6 +33,8 @@ _MOVES = 0.5
 """A pressure that goes so far along with a healthy one follows its setpoints …"""
 _STAYS = 0.25
 """… and one that goes less than this share of its way is held."""
+_FROZEN = 2.0
+"""A monitor may not say the very same while a pressure moves by so many times the hysteresis."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -166,6 +169,7 @@ class PressureWatch:
         self._setpoints: Sequence[float] = ()
         self._line = DeadTimeLine(response.dead_time)
         self._ways = PressureWays(self._mean_time)
+        self._frozen = FrozenMonitors(bounds.time, _FROZEN * bounds.loop)
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
@@ -217,9 +221,13 @@ class PressureWatch:
                 abs(channel.mean - channel.usual) <= channel.most_mean(bounds)
             ):
                 strange = True
-        self._ways.note(now, pressures, [channel.expected for channel in self._channels])
+        healthy = [channel.expected for channel in self._channels]
+        self._ways.note(now, pressures, healthy)
+        frozen = self._frozen.find(pressures, healthy, now)
         if long_off:
             self._raise_off(now)
+        if frozen is not None:
+            self._raise_frozen(frozen, now)
         if strange:
             self._raise_strange()
 
@@ -228,6 +236,7 @@ class PressureWatch:
         self._began = self._then = now
         self._line.clear()
         self._ways.clear()
+        self._frozen.begin(self._pressures, now)
 
     def _patience(self, k: int) -> float:
         """Return for how long one may be off, s: less where its setpoint has not moved."""
@@ -246,6 +255,14 @@ class PressureWatch:
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
             f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):.3g} s]"
+        )
+
+    def _raise_frozen(self, k: int, now: float) -> None:
+        raise PressureOff(
+            f"{self._device}: the monitor of {self._names[k]} is frozen, or its {self._part} is "
+            f"stuck [{self._names[k]}: exactly {self._pressures[k] * 1e-3:.1f} kPa for "
+            f"{now - self._frozen.since(k):.3f} s, at most {self._bounds.time:.3g} s while a "
+            f"healthy {self._part} goes by {self._frozen.gone(k) * 1e-3:.1f} kPa]"
         )
 
     def _raise_strange(self) -> None:
