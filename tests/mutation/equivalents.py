@@ -311,6 +311,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "it only saves the second half, which asks for more",
     ),
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/frozen.py",
+        "if is_long and self.gone(k) > self._moved and monitor.was_lively > _LIVELY:",
+        "monitor.was_lively > _LIVELY -> monitor.was_lively >= _LIVELY",
+        "a share that approaches 1 by fractions of a period is a half to the last bit never",
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
         "if way > stroke:",
         "way > stroke -> way >= stroke",

@@ -87,11 +87,11 @@ def test_only_a_monitor_whose_noise_was_seen_is_frozen(every, is_found):
 
 
 def test_noise_has_to_be_seen_for_a_while():
-    """After 0.25 s at each cycle by 1 - 1/e: half of it comes after 0.17 s."""
-    needed = 0.25 * math.log(2.0)
-    for share, is_found in ((0.97, False), (1.03, True)):
+    """After 0.25 s at each cycle by 1 - 1/e: half of it comes after ln 2 of that."""
+    cycles = math.ceil(math.log(2.0) / math.log1p(STEP / 0.25))
+    for seen, is_found in ((cycles - 1, False), (cycles, True)):
         shown = Shown()
-        shown.pass_by(round(share * needed / STEP))
+        shown.pass_by(seen)
         found = shown.freeze(2 * CYCLES, START + 2.0 * MOVED)
         assert (found == 1) == is_found
 

@@ -36,8 +36,8 @@ class FrozenMonitors:
 
     def __init__(self, time: float, moved: float) -> None:
         self._time, self._moved = time, moved
-        self._monitors: tuple[_Monitor, ...] = ()
-        self._then = 0.0
+        self._monitors: tuple[_Monitor, ...]
+        self._then: float
 
     def begin(self, shown: Sequence[float], now: float) -> None:
         """Forget the past; `shown` are pressures that are there, Pa."""
