@@ -11,13 +11,14 @@ TIME = 2.0**-6
 CYCLES = round(TIME / STEP)
 MOVED = 5e3
 START = 100e3
+LEAST = 10e3
 
 
 class Shown:
     """Two monitors: one that is always well, and one that a test freezes."""
 
     def __init__(self, now=0.0):
-        self.frozen = FrozenMonitors(TIME, MOVED)
+        self.frozen = FrozenMonitors(TIME, MOVED, LEAST)
         self.frozen.begin((START, START), now)
         self.now, self.cycle, self.value = now, 0, START
 
@@ -115,7 +116,7 @@ def test_what_begins_anew_has_no_past():
 
 
 def test_of_several_each_is_looked_at():
-    frozen = FrozenMonitors(TIME, MOVED)
+    frozen = FrozenMonitors(TIME, MOVED, LEAST)
     frozen.begin((START,) * 3, 0.0)
     now = 0.0
     for cycle in range(1024):
@@ -127,3 +128,12 @@ def test_of_several_each_is_looked_at():
             (START + 1.0, now, START + 1.0), (START + 2.0 * MOVED, START, START), now
         )
     assert found == 0
+
+
+@pytest.mark.parametrize(("value", "is_found"), [(LEAST, False), (LEAST + 1.0, True), (0.0, False)])
+def test_an_empty_chamber_may_be_shown_by_one_number_until_air_has_come(value, is_found):
+    shown = lively()
+    shown.value = value
+    assert shown.freeze(1, 0.0) is None
+    assert shown.freeze(1024, 0.0) is None
+    assert (shown.freeze(1, 2.0 * MOVED) == 1) == is_found

@@ -429,3 +429,16 @@ def test_a_monitor_that_says_the_very_same_while_its_setpoint_moves_is_frozen(go
     lasted, gone = map(float, re.fullmatch(words, str(caught.value)).groups())
     assert lasted > TIME
     assert 2e-3 * LOOP <= gone < 1.06e-3 * goes
+
+
+@pytest.mark.parametrize(("value", "is_told"), [(4.0 * LOOP, False), (4.0 * LOOP + 1e3, True)])
+def test_an_empty_chamber_is_filled_though_its_monitor_says_the_same_until_then(value, is_told):
+    bench = Bench(deviation=NEVER, starts=(value,) * 4)
+    for k in range(1024):
+        bench.pass_by(1, **dict.fromkeys(CHANNELS, -1.0 - k % 2))
+    bench.watch.send([value + 40e3, value, value, value])
+    if is_told:
+        with pytest.raises(SafetyError, match="the monitor of ch1 is frozen"):
+            bench.pass_by(16 * CYCLES)
+    else:
+        bench.pass_by(16 * CYCLES)

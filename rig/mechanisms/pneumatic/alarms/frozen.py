@@ -32,10 +32,13 @@ class FrozenMonitors:
         For which the same value may be said, s.
     moved : float
         By which a healthy pressure has to move meanwhile, Pa.
+    least : float
+        Up to which a monitor may repeat what it says, Pa: many show nothing else of an empty
+        chamber, and go on to do so until air has come.
     """
 
-    def __init__(self, time: float, moved: float) -> None:
-        self._time, self._moved = time, moved
+    def __init__(self, time: float, moved: float, least: float) -> None:
+        self._time, self._moved, self._least = time, moved, least
         self._monitors: tuple[_Monitor, ...]
         self._then: float
 
@@ -67,7 +70,7 @@ class FrozenMonitors:
                 monitor.low = monitor.high = should
                 continue
             monitor.low, monitor.high = min(monitor.low, should), max(monitor.high, should)
-            is_long = now - monitor.since > self._time
+            is_long = now - monitor.since > self._time and value > self._least
             if is_long and self.gone(k) > self._moved and monitor.was_lively > _LIVELY:
                 found = k
         return found

@@ -35,6 +35,8 @@ _STAYS = 0.25
 """… and one that goes less than this share of its way is held."""
 _FROZEN = 2.0
 """A monitor may not say the very same while a pressure moves by so many times the hysteresis."""
+_EMPTY = 4.0
+"""Of the hysteresis: up to so much an empty chamber's monitor may say the very same."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -169,7 +171,8 @@ class PressureWatch:
         self._setpoints: Sequence[float] = ()
         self._line = DeadTimeLine(response.dead_time)
         self._ways = PressureWays(self._mean_time)
-        self._frozen = FrozenMonitors(bounds.time, _FROZEN * bounds.loop)
+        loop = bounds.loop
+        self._frozen = FrozenMonitors(bounds.time, _FROZEN * loop, _EMPTY * loop)
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
