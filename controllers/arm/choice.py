@@ -38,7 +38,7 @@ def begun_elsewhere(
     OutOfRange
         There is no such beginning.
     """
-    why = f"begun as near as it can be, {str(refused).rstrip('.')}"
+    why = f"begun where near has it, {str(refused).rstrip('.')}"
     if refused.turns is not None:
         made = planned(path.turned(refused.turns))
         return _noted(made, f"{_turned(refused.turns)}: {why}")

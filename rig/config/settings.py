@@ -168,6 +168,8 @@ def entries_of(settings: type, defaults: Mapping[str, object] = MappingProxyType
         schema: JsonDict = {}
         if isinstance(default, str | int | float | NoneType):
             schema["default"] = default
+        elif isinstance(default, tuple) and default and all(isinstance(n, float) for n in default):
+            schema["default"] = list(default)
         elif isinstance(default, Path):
             schema["default"] = str(default)
         info = pydantic.Field(description=texts.get(field.name), json_schema_extra=schema)

@@ -202,7 +202,8 @@ def test_an_arms_branch_and_singularities_are_told_with_the_reason(capsys):
     told = {remark["kind"]: remark["message"] for remark in remarks}
     assert "elbow -" in told["begins"]
     assert re.search(
-        r"elbow -.*: begun as near .* q3 would be at 1\.\d+ rad, outside its range", told["chosen"]
+        r"elbow -.*: begun where near has it.* q3 would be at 1\.\d+ rad, outside its range",
+        told["chosen"],
     )
 
 

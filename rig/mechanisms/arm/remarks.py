@@ -12,6 +12,8 @@ from rig.hal.motion import Note
 
 _WITHIN = 1.001
 """Share of a limit up to which a motion keeps to it."""
+_SWINGS = 1e-3
+"""rad: a joint that turns by less has passed nothing."""
 _THROUGH = ("look-ahead and esc go", "look-ahead goes")
 """Who gets to the end: as told of any law, and of esc."""
 
@@ -22,16 +24,23 @@ def remarks_of_plan(plan: ArmPlan, arm: Dimensions, geometry: ArmGeometry) -> tu
     steps = np.linalg.norm(np.diff(plan.hand, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(steps)))
     return (
-        Note("begins", f"on the branch {branch_words(first)}"),
+        Note("begins", f"on the branch {branch_words(first)}, with the hand at {_place(plan)}"),
         *_steps_of_speed(plan, geometry.acceleration_limits),
         *_too_fast(plan, geometry.rate_limits),
         *(Note("chosen", note) for note in plan.notes),
         *(
             Note(f"{place.kind}, {plan.t[place.at]:.3f} s, {gone[place.at]:.4f} m", place.words)
             for place in singular_places(plan.indices, plan.positions)
+            if place.through or max(place.swings) > _SWINGS
         ),
         *_ends_early(plan, float(gone[-1])),
     )
+
+
+def _place(plan: ArmPlan) -> str:
+    """Return where the hand begins, as a path's centre or place would say it."""
+    x, y, z = (1e3 * plan.hand[0]).tolist()
+    return f"[{x:.6g} mm, {y:.6g} mm, {z:.6g} mm]"
 
 
 def _too_fast(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:

@@ -47,7 +47,10 @@ class ArmSettings(ServoSettings):
     limits : ServoLimits
         What the loop never permits, beside the joint limits of the geometry.
     geometry : ArmGeometry
-        Dimensions, joint ranges, rates and accelerations.
+        Dimensions, joint ranges, rates and accelerations. At zero the arm stands straight up. q1
+        turns it about the base's Z; q2 leans it ahead, and q3 the forearm, about the Y of its
+        plane; q4 turns about the forearm, q5 leans the tool ahead (`wrist_sign` 1), q6 turns about
+        the tool.
     metrology : HandMetrology
         How the hand's positions are measured in a calibration.
     emergency_stop : str, optional

@@ -121,7 +121,8 @@ def test_silence_cannot_be_set_beyond_a_tenth_of_a_second():
 
 
 @pytest.mark.parametrize(
-    "told", [(1.0, 2.0), (math.nan,) * 6, (math.inf, *(0.0,) * 5), "left", 3.0]
+    "told",
+    [(1.0, 2.0), (math.nan,) * 6, (math.inf, *(0.0,) * 5), "left", 3.0, (*(0.0,) * 5, -1e308)],
 )
 def test_nonsense_makes_the_rig_safe(told):
     motion = heard(lambda _: told)
