@@ -28,7 +28,7 @@ from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance, way_of
-from controllers.gait.slower import TooQuick, name_speed
+from controllers.gait.slower import TooQuick, name_speed, slower_speed
 from controllers.gait.time_laws import TimeLaw, TooShort
 from controllers.gait.types import (
     GaitModel,
@@ -152,7 +152,11 @@ class GaitLaw(
         times = name_times(motion, longer, geometry)
         if not still:
             return f"With {times} the whole motion would fit."
-        return f"With {times} it would be refused, too: {still.rstrip('.')}."
+        words = f"With {times} it would be refused, too: {still.rstrip('.')}."
+        speed = slower_speed(self._accept, motion) if motion.speed > 1.0 else None
+        if speed is None:
+            return words
+        return f"{words} At a speed of {speed:g} instead of {motion.speed:.4g} it would fit."
 
     def _accept(self, motion: LegsMotion) -> None:
         """Raise as `prepare` would: what is to be as fast as it can keeps the rates, too."""

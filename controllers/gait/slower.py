@@ -12,6 +12,10 @@ _TRIES = 12
 """Speeds that are tried for one at which a motion is accepted."""
 _SLOWER = 0.98
 """Of a speed that was tried, the next one at most."""
+_ABOUT = 1.05
+"""The same of a speed that is looked for where longer times would not do."""
+_HALFWAY = 0.6
+"""Of a speed that is refused, the next one that is tried."""
 _NEARLY = 1.006
 """Times the speed that a refusal names it is refused, at most."""
 
@@ -51,11 +55,32 @@ def name_speed(accept: Callable[[LegsMotion], None], motion: LegsMotion, refused
     return "no speed was found at which it would fit"
 
 
+def slower_speed(accept: Callable[[LegsMotion], None], motion: LegsMotion) -> float | None:
+    """Return a speed that is accepted, of which a twentieth more is not; None: none was found.
+
+    For a motion that is refused with something else than the speed that would do.
+    """
+    too_quick = motion.speed
+    for _ in range(_TRIES):
+        speed = floor(_HALFWAY * too_quick)
+        try:
+            accept(replace(motion, speed=speed))
+        except InfeasibleMotion:
+            too_quick = speed
+        else:
+            return _greatest(accept, motion, speed, too_quick, _ABOUT)
+    return None
+
+
 def _greatest(
-    accept: Callable[[LegsMotion], None], motion: LegsMotion, fits: float, too_quick: float
+    accept: Callable[[LegsMotion], None],
+    motion: LegsMotion,
+    fits: float,
+    too_quick: float,
+    nearly: float = _NEARLY,
 ) -> float:
     """Return a speed that is accepted, of which a little more is not."""
-    while too_quick > _NEARLY * fits:
+    while too_quick > nearly * fits:
         speed = floor(math.sqrt(fits * too_quick))
         try:
             accept(replace(motion, speed=speed))

@@ -106,6 +106,7 @@ def _manners(
     trials: Trials, settings: SteppingSettings, error: InfeasibleMotion
 ) -> Iterator[SteppingSettings]:
     """Yield manners of walking that may help where a walk is refused, the nearest first."""
+    yield from _with_other_sway(settings)
     aheads = list(dict.fromkeys((settings.ahead, *_towards(settings.ahead, trials.geometry))))
     asked = math.floor(settings.follow / _MM + 0.5)
     if isinstance(error, MeetsGround):
@@ -128,6 +129,14 @@ def _manners(
             for ahead in aheads:
                 if (follow, ahead) != (settings.follow, settings.ahead):
                     yield replace(settings, follow=follow, ahead=ahead)
+
+
+def _with_other_sway(settings: SteppingSettings) -> Iterator[SteppingSettings]:
+    """Yield ways aside that are nearer to over the standing ankle."""
+    for share in (0.5, 1.0):
+        sway = round(settings.sway + share * (1.0 - settings.sway), 2)
+        if sway != settings.sway:
+            yield replace(settings, sway=sway)
 
 
 def _with_nearest_lift(
@@ -155,7 +164,8 @@ def _middle_of_sole(geometry: LegGeometry) -> float:
 
 def _changes(asked: SteppingSettings, manner: SteppingSettings) -> list[str]:
     """Return in what two manners of walking differ."""
-    return [
+    sway = [f"sway at {manner.sway:g}"] if manner.sway != asked.sway else []
+    return sway + [
         f"{'a lift of' if name == 'lift' else f'{name} at'} {getattr(manner, name) / _MM:.0f} mm"
         for name in ("lift", "follow", "ahead")
         if getattr(manner, name) != getattr(asked, name)

@@ -1,19 +1,26 @@
-"""Whether the simulated ground is where a walk's footprints lie, and no edge of it under one."""
+"""Whether a walk's footprints lie on the simulated ground, and its swings clear that."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Protocol, cast
 
 from controllers.gait.footprints import Footstep
 from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.ground_plane import GroundPlane
+from controllers.gait.kinematics import Vector
 from controllers.gait.soles import heights_of, sole_corners
+from controllers.gait.turning import Attitude
+from controllers.motion import InfeasibleMotion
 
 _OFF = 2e-3
 """m; a print that is farther from the ground is another ground's. Soles land as hard as that."""
 _TOUCHES = 1e-3
 """m; an edge that is no farther under a sole touches it at most."""
+_INTO = 2e-4
+"""m; a swing that dips into the ground by more is caught by it."""
+_LOOKED_AT = 100
+"""Places of a swing that are looked at."""
 _TURNED = math.radians(0.5)
 """rad; ground whose slope is farther from that of the plan is another ground."""
 
@@ -73,7 +80,45 @@ def prints_off_ground(geometry: LegGeometry, reference: object, plant: object) -
                 f"step {number} is planned to land on an edge: at x {x * 1e3:.1f} mm, still under "
                 f"the sole, the simulated ground is {higher * 1e3:.3g} mm higher (plant.terrain)",
             )
+    return _swings_into(geometry, walk, terrain)
+
+
+def _swings_into(
+    geometry: LegGeometry, walk: FootstepsSettings, terrain: Sequence[_Block]
+) -> tuple[str, ...]:
+    """Say which swing first brings its sole into the simulated ground."""
+    try:
+        phases = walk.phases(geometry)
+    except InfeasibleMotion:  # which is told where it is planned
+        return ()
+    for phase in phases:
+        if all(phase.standing):
+            continue
+        leg = 0 if phase.standing[1] else 1
+        deepest, at = 0.0, 0.0
+        for xi in (k / _LOOKED_AT for k in range(1, _LOOKED_AT)):
+            depth = _depth(geometry, phase.foot_at(leg, xi), phase.attitude_at(leg, xi), terrain)
+            deepest, at = max((deepest, at), (depth, xi))
+        if deepest > _INTO:
+            return (
+                f"{phase.name}, {100.0 * at:.0f} % of the way, would bring the sole "
+                f"{deepest * 1e3:.3g} mm into the simulated ground (plant.terrain): a lift of its "
+                f"own, or a print farther on, clears the edge",
+            )
     return ()
+
+
+def _depth(geometry: LegGeometry, at: Vector, lies: Attitude, terrain: Sequence[_Block]) -> float:
+    """Return how deep a sole is in what lies on the floor, m; negative: it is above it."""
+    ahead = [x for x, _ in sole_corners(geometry, at, lies)]
+    deepest = -math.inf
+    for block in terrain:
+        ends = max(min(ahead), block.start), min(max(ahead), block.start + block.length)
+        if ends[0] < ends[1]:
+            soles = heights_of(at, lies, [(x, at[1]) for x in ends])
+            tops = [block.height + math.tan(block.slope) * (x - block.start) for x in ends]
+            deepest = max(deepest, *(top - sole for top, sole in zip(tops, soles, strict=True)))
+    return deepest
 
 
 def _edge_under(

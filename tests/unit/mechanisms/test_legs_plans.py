@@ -84,6 +84,27 @@ def test_a_print_that_reaches_under_the_edge_of_higher_ground_is_told(length, he
         assert "is 10 mm higher" in notes[0]
 
 
+@pytest.mark.parametrize(("edge", "is_told"), [(0.164, False), (0.173, True)])
+def test_a_swing_that_is_caught_by_the_edge_that_it_leaves_is_told(edge, is_told):
+    """The plan knows of its prints only; the tread from which it steps down goes on beyond them."""
+    prints = ((0.105, 0.012), (0.21, 0.0))
+    steps = [
+        Footstep(foot, x, y, height=height)
+        for x, height in prints
+        for foot, y in (("left", 0.039), ("right", -0.039))
+    ]
+    tread = SimpleNamespace(start=0.064, length=edge - 0.064, height=0.012, slope=0.0)
+    plant = SimpleNamespace(terrain=(tread,), floor_pitch=0.0, floor_roll=0.0)
+    walk = FootstepsSettings(steps=tuple(steps), lift=0.024, ahead=0.006, follow=0.035)
+    notes = prints_off_ground(LegGeometry(), walk, plant)
+    assert bool(notes) == is_told
+    if is_told:
+        words = r"swing left 3, (\d+) % of the way, would bring the sole (\S+) mm into"
+        percent, depth = re.match(words, notes[0]).groups()
+        assert 50 < int(percent) < 100
+        assert 0.2 < float(depth) < 12.0
+
+
 def test_a_floor_that_slopes_otherwise_than_the_plan_begins_is_told():
     def told(pitch, roll, **settings):
         plant = SimpleNamespace(terrain=(), floor_pitch=pitch, floor_roll=roll)

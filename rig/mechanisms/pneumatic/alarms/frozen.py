@@ -9,7 +9,7 @@ _OVER = 0.25
 
 
 class _Monitor:
-    """What a monitor says, since when, and how far a healthy pressure has gone meanwhile."""
+    """A monitor's value, since when it says that, and a healthy pressure's way meanwhile."""
 
     __slots__ = ("high", "lively", "low", "since", "value", "was_lively")
 

@@ -30,6 +30,8 @@ def follow_advice(told, settings, steps):
             for name, pattern in MANNER.items()
             if (number := _found(pattern, whole[1]))
         }
+        if sway := _found(rf"sway at {NUMBER}", whole[1]):
+            changed["sway"] = sway[0]
         flatter = _found(rf"every height times {NUMBER}", whole[1]) or [1.0]
         longer = _found(rf"every x times {NUMBER}", whole[1]) or [1.0]
         smaller = _found(rf"distance of y from {NUMBER} mm times {NUMBER}", whole[1])

@@ -12,8 +12,10 @@ from test_gait_footsteps import phases
 from test_gait_turning import attitude
 
 from controllers.gait.footprints import Footstep, StepNumbers
+from controllers.gait.footstep_numbers import number_footsteps
 from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.ground_plane import GroundPlane
 from controllers.gait.law import check_rates
 from controllers.gait.laws import (
     InverseLaw,
@@ -236,6 +238,29 @@ def test_rates_and_balance_are_refused_with_step_joint_and_instant_and_what_woul
     words = r"at 14\.00\d s \(swing left 2\) left_knee would need 1\d\.\d+ rad/s, beyond"
     with pytest.raises(InfeasibleMotion, match=words):
         check_rates(law.prepare(FootstepsSettings(numbers=StepNumbers())), 1.0)
+
+
+@pytest.mark.parametrize("sway", [0.2, 1.9])
+def test_a_waist_that_goes_too_far_aside_or_not_far_enough_is_told_how_far(sway):
+    steps = number_footsteps(GEOMETRY, StepNumbers(length=0.05), GroundPlane())
+    settings = FootstepsSettings(steps=tuple(steps), sway=sway)
+    with pytest.raises(InfeasibleMotion, match="With sway at") as refused:
+        settings.phases(GEOMETRY, MARGIN)
+    other, _ = follow_advice(str(refused.value), settings, list(steps))
+    assert min(sway, 1.0) < other.sway < max(sway, 1.0) or other.sway == 1.0
+    assert other.phases(GEOMETRY, MARGIN)
+
+
+def test_where_longer_times_alone_would_not_do_a_speed_is_named():
+    law = SmoothLaw(SmoothSettings(), model(), 5e-3)
+    walk = FootstepsSettings(numbers=StepNumbers(count=2), speed=20.0)
+    words = r"it would be refused, too: .* At a speed of (\S+) instead of 20 it would fit\."
+    with pytest.raises(InfeasibleMotion, match=words) as refused:
+        law.prepare(walk)
+    speed = float(re.search(words, str(refused.value))[1])
+    law.prepare(replace(walk, speed=speed))
+    with pytest.raises(InfeasibleMotion):
+        law.prepare(replace(walk, speed=1.06 * speed))
 
 
 def test_the_speed_that_is_named_is_the_greatest_within_a_hundredth():
