@@ -52,7 +52,8 @@ def remark_on_fall(logged: "Logged", phases: Sequence[str]) -> tuple[Note, ...]:
         words += (
             f"; from {when(sample)} on its {LEGS[leg]} foot is {abs(up):.1f} mm "
             f"{'higher' if up > 0.0 else 'lower'} than planned and {np.hypot(x, y):.1f} mm beside "
-            f"its print: one of the feet is on an edge, or the ground is not the plan's"
+            f"its print: one of the feet is on an edge, the ground is not the plan's, or the robot "
+            f"was pushed"
         )
     return (Note("fell", words),)
 

@@ -52,12 +52,19 @@ def mark_phases(axes: "Axes", run: RunData, most: int = _MOST_TICKS) -> None:
         axes.set_xticks(instants, labels=[f"{instant:.3g}" for instant in instants])
 
 
+_LAST = 0.1
+"""The last sample of a run comes by less before its end, s."""
+
+
 def landings(run: RunData) -> dict[str, list[tuple[int, int]]]:
-    """Return number and sample of each footprint of either foot; number 0 is the start."""
+    """Return number and sample of each footprint of either foot; number 0 is the start.
+
+    A run that ended early has those only that it came to.
+    """
     landed: dict[str, list[tuple[int, int]]] = {leg: [(0, 0)] for leg in LEGS}
     for segment in run.segments:
         kind, *rest = segment.name.split()
-        if kind == "swing":
+        if kind == "swing" and segment.end <= run.time[-1] + _LAST:
             sample = int(np.searchsorted(run.time, segment.end - 1e-9).clip(max=len(run.time) - 1))
             landed[rest[0]].append((int(rest[1]), sample))
     return landed

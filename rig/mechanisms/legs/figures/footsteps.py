@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _APART = 14.0
 """Of two numbers of prints, mm."""
+_AROUND = 25.0
+"""Beside the outermost prints, mm."""
 _PALE = "#b4bdc7"
 _ROWS = (
     ("hip_yaw", "hip_roll", "ankle_roll"),
@@ -82,7 +84,12 @@ def draw_footsteps(run: RunData) -> "Figure | None":
                 label=f"{leg} ankle, measured",
             )  # fmt: skip
     ground.set_aspect("equal")
-    ground.autoscale_view()
+    soles = np.concatenate(
+        [sole_outline(run, leg, sample) * 1e3 for leg in LEGS for _, sample in landed[leg]]
+    )
+    # What lies elsewhere, as the feet of a robot that fell, does not set the scale.
+    for limits, along in ((ground.set_xlim, soles[:, 0]), (ground.set_ylim, soles[:, 1])):
+        limits(along.min() - _AROUND, along.max() + _AROUND)
     ground.set_xlabel("ahead (mm)")
     ground.set_ylabel("to the left (mm)")
     place_legend(ground, 2)
