@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from controllers.gait.footprints import Footstep, SteppingSettings
 from controllers.gait.footstep_advice import SwingSoles, advise
 from controllers.gait.footstep_checks import BeyondLeg, check_phase
-from controllers.gait.footstep_phases import AnkleTooFar, hip_needs, walk_over, walk_phases
+from controllers.gait.footstep_phases import AnkleTooFar, HipNeed, hip_needs, walk_over, walk_phases
 from controllers.gait.footstep_trials import Trials
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.phases import GaitPhase
@@ -57,9 +57,13 @@ def plan_footsteps(
             told = f"step {number}, {error}"
             to_change: tuple[int, ...] = (number,)
             if settings.hip is None and isinstance(error, BeyondLeg):
-                own = min(need.hips for need in needs if need.step in (number, number + 1))
-                higher, _ = walk_phases(geometry, settings, steps, walk, own)
-                if own > hip and _passes(geometry, higher[place], min_margin):
+                higher = _hips_without(needs, number, lowest.step)
+                tried = [
+                    walk_phases(geometry, settings, steps, walk, own)[0][place]
+                    for own in higher
+                    if own > hip
+                ]
+                if any(_passes(geometry, phase, min_margin) for phase in tried):
                     told = (
                         f"step {lowest.step} needs the hips at {hip * 1e3:.1f} mm over the "
                         f"standing ankle, which is too low for step {number}: {error}"
@@ -68,6 +72,13 @@ def plan_footsteps(
             hint = _what_fits(trials, settings, to_change, hip, error)
             raise InfeasibleMotion(f"{told}{hint}") from error
     return phases
+
+
+def _hips_without(needs: Sequence[HipNeed], number: int, lowest: int) -> set[float]:
+    """Return how high the hips could be for a step and the next, and without the lowest step, m."""
+    about = [need.hips for need in needs if need.step in (number, number + 1)]
+    others = [need.hips for need in needs if need.step != lowest]
+    return {min(hips) for hips in (about, others) if hips}
 
 
 def _passes(geometry: LegGeometry, phase: GaitPhase, min_margin: float) -> bool:

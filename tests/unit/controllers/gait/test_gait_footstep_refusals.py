@@ -166,6 +166,18 @@ def test_hips_too_low_for_one_step_are_told_with_the_step_that_needs_them(far):
     assert replace(settings, steps=tuple(fits)).phases(GEOMETRY, MARGIN)
 
 
+def test_the_step_that_is_too_long_is_blamed_and_not_the_one_before_it():
+    """In the shift before it a leg folds already, as the hips have one height all along."""
+    places = ((0.04, 0.039, 0.0), (0.2, -0.039, 0.0), (0.12, 0.039, 0.17), (0.158, -0.03, 0.35))
+    steps = [
+        Footstep(("left", "right")[k % 2], x, y, heading=heading)
+        for k, (x, y, heading) in enumerate(places)
+    ]
+    settings = FootstepsSettings(steps=tuple(steps))
+    with pytest.raises(InfeasibleMotion, match=r"step 2 needs the hips at .* too low for step 1"):
+        settings.phases(GEOMETRY, MARGIN)
+
+
 @pytest.mark.parametrize(("follow", "ahead"), [(0.04, 0.008), (0.025, 0.02), (0.02, -0.02)])
 def test_a_waist_too_far_from_the_standing_foot_is_told_where_it_would_stand(follow, ahead):
     """However slow, the robot would tip over; reach alone would allow it."""
