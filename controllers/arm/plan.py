@@ -317,11 +317,25 @@ def check_joint_limits(
     turns = (
         tuple((math.tau * np.clip(0.0, least, most)).tolist()) if (least <= most).all() else None
     )
-    raise OutOfRange(
-        f"after {t[k]:.3f} s{where(k)} {AXIS_NAMES[j]} would be at {positions[k, j]:.4f} rad, "
-        f"outside its range of {lower[j]:.4f} to {upper[j]:.4f} rad.",
-        turns,
+    beyond = np.maximum(lower[j] - positions[:, j], positions[:, j] - upper[j])
+    worst = int(np.argmax(beyond))
+    bound = lower[j] if positions[k, j] < lower[j] else upper[j]
+    words = (
+        f"after {t[k]:.3f} s{where(k)} {AXIS_NAMES[j]} would be at "
+        f"{_beside(positions[k, j], bound)} rad, outside its range of {lower[j]:.4f} to "
+        f"{upper[j]:.4f} rad."
     )
+    if beyond[worst] > 1.1 * beyond[k]:
+        words += (
+            f" It would be farthest outside after {t[worst]:.3f} s{where(worst)}, at "
+            f"{_beside(positions[worst, j], bound)} rad."
+        )
+    raise OutOfRange(words, turns)
+
+
+def _beside(angle: float, bound: float) -> str:
+    """Return an angle in as many digits as tell it from a bound."""
+    return next(text for n in range(4, 17) if (text := f"{angle:.{n}f}") != f"{bound:.{n}f}")
 
 
 def inside_boundary(arm: Dimensions, q: Joints) -> float:

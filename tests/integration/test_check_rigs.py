@@ -239,6 +239,15 @@ TREAD = "{foot: left, x: 100 mm, y: 39 mm, height: 10 mm}"
                 f"reference.steps=[{TREAD}]",
                 "plant.terrain=[{start: 61 mm, length: 200 mm, height: 10 mm}]",
             ],
+            [r"swing left 1, 11 % of the way, would bring the sole \S+ mm into the simulated"],
+        ),
+        (
+            "legs-footsteps",
+            [
+                f"reference.steps=[{TREAD}]",
+                "plant.terrain=[{start: 61 mm, length: 200 mm, height: 10 mm}]",
+                "reference.lift=35 mm",
+            ],
             [],
         ),
     ],
