@@ -76,13 +76,7 @@ def draw_footsteps(run: RunData) -> "Figure | None":
             label=label,
         )
     if measured is not None:
-        for number, leg in enumerate(LEGS):
-            samples = [sample for _, sample in landed[leg]]
-            at = measured[samples, number] * 1e3
-            ground.plot(
-                at[:, 0], at[:, 1], "+", ms=6.0, mew=1.1, color=COLORS[leg],
-                label=f"{leg} ankle, measured",
-            )  # fmt: skip
+        _draw_measured(ground, measured, landed)
     ground.set_aspect("equal")
     soles = np.concatenate(
         [sole_outline(run, leg, sample) * 1e3 for leg in LEGS for _, sample in landed[leg]]
@@ -94,6 +88,17 @@ def draw_footsteps(run: RunData) -> "Figure | None":
     ground.set_ylabel("to the left (mm)")
     place_legend(ground, 2)
     return figure
+
+
+def _draw_measured(ground: "Axes", feet: "Array", landed: dict[str, list[tuple[int, int]]]) -> None:
+    """Mark where the ankles came down."""
+    for number, leg in enumerate(LEGS):
+        samples = [sample for _, sample in landed[leg]]
+        at = feet[samples, number] * 1e3
+        ground.plot(
+            at[:, 0], at[:, 1], "+", ms=6.0, mew=1.1, color=COLORS[leg],
+            label=f"{leg} ankle, measured",
+        )  # fmt: skip
 
 
 def _place_of_number(corners: "Array", taken: Sequence["Array"]) -> "Array":
