@@ -105,7 +105,9 @@ def test_it_begins_on_the_nearest_branch_that_keeps_the_ranges_or_there_is_none(
             plan(PATH, geometry)
         said = str(refused.value)
         assert said.endswith("None of 7 other branches keeps all ranges.")
-        t, joint, angle = re.match(r"after (\S+) s q(\d) would be at (\S+) rad", said).groups()
+        t, joint, angle = re.match(
+            r"after (\S+) s(?:, between .*)? q(\d) would be at (\S+) rad, outside", said
+        ).groups()
         # The one that is nearest leaves its range there.
         free = plan(PATH, FREE)
         row = free.positions[round(float(t) / PERIOD), int(joint) - 1]
