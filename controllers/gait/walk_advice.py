@@ -48,14 +48,7 @@ def advise_walk(trials: Trials, settings: SteppingSettings) -> str:
     """Say how all steps would fit if they were flatter, longer or shorter; empty: they would not.
 
     A step down may do by itself and leave the foot behind too high for the next one: then what has
-    to change lies before the step that is refused.
-
-    Parameters
-    ----------
-    trials : Trials
-        Of the walk that is refused.
-    settings : SteppingSettings
-        How it was to be walked.
+    to change lies before the step that is refused. Parameters as `advise_manner`.
     """
     middle = _middle_of_sole(trials.geometry)
     manners = [

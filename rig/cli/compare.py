@@ -142,9 +142,9 @@ def _say_missed(runs: Mapping[str, Path]) -> None:
     from rig.explaining.ended_run import missed_bounds
 
     for label, path in runs.items():
-        missed = missed_bounds(path)
+        missed = "; ".join(said for _, said in missed_bounds(path))
         if missed:
-            click.echo(f"{label}: bound missed: {'; '.join(missed.values())}", err=True)
+            click.echo(f"{label}: bound missed: {missed}", err=True)
 
 
 def _chosen(text: str | None, known: Sequence[str]) -> tuple[str, ...]:

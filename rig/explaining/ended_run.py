@@ -145,9 +145,8 @@ def _suspected(folder: Path) -> list[str]:
     return causes or [event["message"] for event in events]
 
 
-def missed_bounds(folder: Path) -> dict[str, str]:
-    """Return the bounds that a run missed: a sentence each, by the measure's name."""
-    said = {}
+def missed_bounds(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the bounds that a run missed: the measure's name and a sentence for each."""
     for row in read_metrics(folder):
         if row.get("pass") is not False:
             continue
@@ -155,12 +154,11 @@ def missed_bounds(folder: Path) -> dict[str, str]:
         reached, limit = format_against(value, bound, row["unit"] or "1")
         wanted = f", {row.get('bound_kind') or 'bound'} {limit}" if limit else ""
         got = "has no value" if value is None else f"is {reached}"
-        said[row.get("measure", row["name"])] = f"{row['name']} {got}{wanted}"
-    return said
+        yield row.get("measure", row["name"]), f"{row['name']} {got}{wanted}"
 
 
 def _missed(folder: Path) -> Iterator[Remark]:
-    for measure, said in missed_bounds(folder).items():
+    for measure, said in missed_bounds(folder):
         yield Remark("missed", f"{said}; `rig explain {measure}` says what it is")
 
 

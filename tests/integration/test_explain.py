@@ -236,6 +236,18 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert "next: Is the rig as its profile says? `rig status cylinder`" in out
 
 
+def test_every_bound_that_one_measure_missed_is_explained(tmp_path, capsys):
+    runs = tmp_path / "runs"
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    for name in ("first", "second"):
+        args += ["--set", f'metrics.{name}={{measure: tracking_rms, max: "1 nm"}}']
+    assert invoke(args) == 1
+    capsys.readouterr()
+    _, out, _ = said(capsys, "--runs", str(runs))
+    assert "first is" in out
+    assert "second is" in out
+
+
 def test_a_run_that_was_refused_is_what_is_explained(tmp_path, capsys):
     """It has left no folder: the run before it is not what somebody asks about."""
     runs = tmp_path / "runs"

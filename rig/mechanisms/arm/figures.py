@@ -100,9 +100,7 @@ def draw_hand(run: RunData) -> "Figure | None":
             asked = run.trace(f"plan.asked_{name}")
             measured = run.trace(f"reading.twist_{name}")
             draw_line(axes, t, measured, GREY, "measured", lw=2.0)
-            draw_line(
-                axes, t, planned, BLUE, "commanded: b (0 … 1) times what is asked for", lw=0.9
-            )
+            draw_line(axes, t, planned, BLUE, "commanded: b times what is asked for", lw=0.9)
             draw_line(axes, t, asked, INK, "asked for", lw=0.7, ls=(0, (4, 2)))
             mark_region(axes, run)
             finish_time_axis(axes, t, f"${symbol}_{axis}$ ({unit})", "")
