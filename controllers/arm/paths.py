@@ -43,7 +43,7 @@ class TurnBack:
     axis : tuple of float
         About which the tool turns, out and back in the same sense.
     turn_rate : float
-        rad/s.
+        rad/s, as in the paper; with 0 the tool keeps its direction.
     travel : float
         How far the line may go to meet the boundary, m.
 

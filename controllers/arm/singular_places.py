@@ -65,9 +65,9 @@ class SingularPlace(NamedTuple):
             f"{AXIS_NAMES[joint]} turns by {math.degrees(swing):.1f} deg"
             for joint, swing in zip(_SWINGS[_KINDS.index(self.kind)], self.swings, strict=True)
         )
-        missed = f"past it at c = {1e3 * self.size:.4g} mm"
+        missed = f"beside it at c = {1e3 * self.size:.4g} mm"
         if self.kind != "shoulder":
-            missed = f"past it by {math.degrees(math.asin(min(self.size, 1.0))):.4g} deg"
+            missed = f"beside it by {math.degrees(math.asin(min(self.size, 1.0))):.4g} deg"
         told = f"{missed}: {swung} while it is near, on the same branch"
         if self.kind == "elbow" or max(self.swings) < _ROUND or self.size > _BY_DIGITS:
             return told

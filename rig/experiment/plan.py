@@ -273,7 +273,8 @@ def _check_metrics(
         measure = known.get(spec.measure or name)
         if measure is None:
             near = difflib.get_close_matches(spec.measure or name, known, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(known)}"
+            offered = ", ".join((*facts, *REGISTRY.own_measures(profile.mechanism)))
+            hint = f"; did you mean {near[0]!r}?" if near else f"; there are {offered}"
             wrong.append(f"metric {name}: no measure is called {spec.measure or name!r}{hint}")
             continue
         if spec.unit is not None and spec.unit != (measure.unit or "1"):

@@ -15,8 +15,11 @@ from rig.run_facts import RunStatus, read_events, read_metrics
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
-_LOOKED_BACK = (_DIAGNOSIS, "fell", "camera")
+_FELL = "fell"
+_LOOKED_BACK = (_DIAGNOSIS, _FELL, "camera")
 """Kinds of events that say what a log told once its run had ended."""
+_INJECTED = "injected"
+"""Kind of the events that say what a simulation was to break."""
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 10.0
@@ -70,10 +73,13 @@ def explain_run(folder: Path) -> list[Remark]:
 
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
-    said += _looked_back(folder)
+    said += [*_injected(folder), *_looked_back(folder)]
     rig = _rig_of(folder) or manifest.get("rig")
+    names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     if status == RunStatus.FAILED:
-        return [*said, *_missed(folder), *_after_missing(rig)]
+        fallen = topic_of(next(_messages(folder, _FELL), ""))
+        after = _after_missing(rig) if fallen is None else _remarks(fallen, folder, names)
+        return [*said, *_missed(folder), *after]
     if status == RunStatus.OK:
         return [*said, Remark("means", "It went well; `rig report` draws it again.")]
     if status == RunStatus.ABORTED:
@@ -81,12 +87,12 @@ def explain_run(folder: Path) -> list[Remark]:
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
         told.reverse()
+    told = [*_messages(folder, _FELL), *told]  # before it fell there was no other fault
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
         known = EXIT_CODES.get(str(code), "")
         means = f"{known} `rig export RUN --format csv` holds every quantity to the last cycle."
         return [*said, Remark("means", means.strip().replace("RUN", folder.name))]
-    names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
 
 
@@ -121,6 +127,17 @@ def age_since(ended: str | None) -> str:
         return ""
     size, unit = next((size, unit) for size, unit in _UNITS if ago >= size)
     return f", {ago / size:.0f} {unit} ago"
+
+
+def _injected(folder: Path) -> Iterator[Remark]:
+    """Yield what a simulation broke of itself, and when on the log's clock."""
+    for event in read_events(folder):
+        if event.get("kind") == _INJECTED:
+            yield Remark("injected", f"{event['message']}, {event['t']:.3f} s after the run began")
+
+
+def _messages(folder: Path, kind: str) -> Iterator[str]:
+    return (event["message"] for event in read_events(folder) if event.get("kind") == kind)
 
 
 def _looked_back(folder: Path) -> list[Remark]:

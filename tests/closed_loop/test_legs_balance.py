@@ -68,3 +68,16 @@ def test_a_stop_in_mid_walk_keeps_the_corrections():
     assert walk.truth_after["truth.fell"] == 0.0
     applied = walk.joints("applied.position")[walk.happened - 5 :]
     assert np.abs(np.diff(applied, axis=0)).max() < 0.01  # no jump back to the plan
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_push_that_topples_the_robot_ends_its_walk(seed):
+    rng = np.random.default_rng((0xFA11, seed))
+    plan, at = make_plan("legs-walk", *FELT), rng.uniform(0.2, 2.5)
+    side, way = rng.choice(["forward", "left"]), rng.choice([-1.0, 1.0])
+    fault = (f"{side}.push", way * rng.uniform(2.5, 5.0))
+    walk = Walk(plan, at, lambda world, _: world.inject(*fault), backend=Backend.SIM)
+    assert walk.truth_after["truth.fell"] == 1.0
+    assert "the robot falls or lies" in str(walk.outcome.fault)
+    fallen = np.flatnonzero(walk.column("truth.fell"))
+    assert len(walk.column("truth.fell")) - fallen[0] < 200  # 1 s

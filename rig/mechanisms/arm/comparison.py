@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _OUTCOMES = ("done", "halts", "stalls")
-_SHOWN = 2.4
-"""Rates are drawn up to so many times the limit."""
+_SHOWN, _ROOM = 2.4, 1.15
+"""Rates are drawn up to so many times the limit, or the greatest of them."""
 _SINGULARITIES = ("elbow", "shoulder", "wrist")
 
 
@@ -43,6 +43,7 @@ class _Row(NamedTuple):
 _ROWS = (
     *(_Row(f"peak_rate_{joint}", f"peak_rate_{joint}", "rad/s") for joint in JOINTS),
     _Row("peak_acceleration", "peak_acceleration", "rad/s^2"),
+    _Row("end_acceleration_share", "end_acceleration_share", ""),
     _Row("path_deviation", "path_deviation", "m"),
     _Row("closest_boundary", "closest_boundary", "m"),
     _Row("closest_shoulder (c)", "closest_shoulder", "m"),
@@ -84,7 +85,6 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         _draw_rates(axes, run)
         axes.set_title(f"{label}: {_in_words(known)}", loc="left", pad=2.0)
     panels[0].set_xlim(0.0, max(float(run.time[-1]) for run in runs))
-    panels[0].set_ylim(-_SHOWN, _SHOWN)
     panels[-1].set_xlabel(TIME_LABEL)
     over_time.supylabel("joint rate over its limit", fontsize=8.5)
     panels[0].legend(
@@ -95,6 +95,8 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         max(known[f"peak_rate_{j}"].value / limit for j, limit in zip(JOINTS, limits, strict=True))
         for known in facts
     ]
+    shown = min(_SHOWN, _ROOM * max(shares))
+    panels[0].set_ylim(-shown, shown)
     ends = [_outcome(known) for known in facts]
     whole = ["" if end == "done" else end for end in ends]
     nearest, approaches = _closest(runs, facts)

@@ -41,7 +41,7 @@ PATH_FACTS: Final[Mapping[str, FactKind]] = {
         "", "greatest acceleration of a joint over its limit, on the way"
     ),
     "end_acceleration_share": FactKind(
-        "", "the same of the start and the stop: above 1 they are steps of the speed"
+        "", "acceleration of start and stop over its limit: above 1 they are steps of the speed"
     ),
     "peak_torque_share": FactKind("", "greatest torque foreseen of a drive over its limit"),
     "peak_rate_arm": FactKind("rad/s", "greatest rate of q1 to q3"),

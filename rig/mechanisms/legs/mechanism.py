@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from controllers.gait.balance import from_edge
+from controllers.gait.balance import GRAVITY, from_edge
 from controllers.gait.corrections import Corrections
 from controllers.gait.footsteps import FootstepsSettings, LegsMotion, phases_of
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
@@ -19,6 +19,7 @@ from rig.hal import Device, Vector
 from rig.hal.columns import Column
 from rig.hal.motion import Motion, Note, Segment
 from rig.mechanisms.legs.facts import plan_facts
+from rig.mechanisms.legs.fall import FallWatch
 from rig.mechanisms.legs.ground import prints_off_ground
 from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.remarks import remarks_of_plan, remarks_on_edges, remarks_on_jumps
@@ -171,6 +172,8 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         self._sensors = BalanceSensors.pick(settings, devices)
         if self._sensors is not None:
             self.columns = (*type(self).columns, *COLUMNS)
+        weight = GRAVITY * settings.geometry.masses.total
+        self._fall = FallWatch(settings.fall_tilt, weight, period)
 
     @classmethod
     def axis_limits(cls, settings: LegsSettings) -> AxisLimits:
@@ -281,6 +284,12 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             state if self._sensors is None else state._replace(sensing=self._sensors.recall(logged))
         )
 
+    def check(self, state: LegsState, now: float) -> None:
+        """Raise if a joint's state is not safe, or the robot falls; see `Mechanism.check`."""
+        if state.sensing is not None:
+            self._fall.see(state.sensing)  # what joints do of a robot that lies follows from it
+        super().check(state, now)
+
     def check_command(self, reference: LegsReference, command: LegsCommand) -> None:
         """See `ServoAxes.check_command`; notes what a law has added to the plan, for a stop."""
         super().check_command(reference, command)
@@ -322,6 +331,11 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         A fault holds the setpoints that were sent last. That is the nearest instant at which the
         robot stands safely: a plan that has any other is refused beforehand.
         """
+        if self._fall.has_fallen:
+            return (
+                "the joints are held as they are, for the robot falls or lies: bear its weight "
+                "before they are let go of"
+            )
         if self.motion is None or not self._followed:
             return None
         plan = self.motion.plan

@@ -76,6 +76,9 @@ class LegsSettings(ServoSettings):
     start_tilt : float, optional
         Greatest angle between the soles, by the encoders, from which a walk begins, rad. None:
         the legs hang, and nothing is known of them.
+    fall_tilt : float, optional
+        Lean of the waist beyond which the run stops if the feet bear less than half of the weight,
+        too: the robot has fallen, rad. None: never. It needs load_cells and inertial.
     """
 
     geometry: LegGeometry = field(default_factory=LegGeometry)
@@ -87,6 +90,7 @@ class LegsSettings(ServoSettings):
     stabiliser: StabiliserSettings | None = None
     sag: SagSettings | None = None
     start_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, le=3.0)] | None = 0.07
+    fall_tilt: Annotated[float, Unit("rad"), Interval(ge=0.1, le=3.0)] | None = math.radians(30.0)
 
     def __post_init__(self) -> None:
         with Rules() as rule:

@@ -159,5 +159,5 @@ def test_a_near_miss_says_by_how_much_and_what_swings():
     q4, q6 = (math.degrees(np.ptp(close[:, joint])) for joint in (3, 5))
     assert q4 > 90.0  # or it would be no near miss
     swings = r"q4 turns by (\S+) deg and q6 turns by (\S+) deg"
-    said = re.match(rf"past it by (\S+) deg: {swings}", place.words)
+    said = re.match(rf"beside it by (\S+) deg: {swings}", place.words)
     np.testing.assert_allclose([float(n) for n in said.groups()], [1.0, q4, q6], rtol=0.02)
