@@ -9,6 +9,7 @@ from rig.hal import SafetyError
 from rig.mechanisms.legs.fall import FallWatch
 
 PERIOD, WEIGHT = 0.005, 58.8
+BOUND = math.radians(30.0)
 LASTS = 10
 """Periods in 50 ms."""
 
@@ -19,7 +20,7 @@ def felt(lean, borne, axis=0):
     return Sensing(loads, leans, (0.0, 0.0))
 
 
-def watch(bound=math.radians(30.0), period=PERIOD):
+def watch(bound=BOUND, period=PERIOD):
     return FallWatch(bound, WEIGHT, period)
 
 
