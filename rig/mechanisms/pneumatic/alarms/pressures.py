@@ -7,6 +7,7 @@ from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
 from rig.mechanisms.pneumatic.alarms.frozen import FrozenMonitors
+from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
 from rig.mechanisms.pneumatic.alarms.ways import PressureWays
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
@@ -37,6 +38,8 @@ _FROZEN = 2.0
 """A monitor may not say the very same while a pressure moves by so many times the hysteresis."""
 _EMPTY = 4.0
 """Of the hysteresis: up to so much an empty chamber's monitor may say the very same."""
+_LEAP = 2.0
+"""Of the offset at rest: by so much a monitor that jumps within a cycle is off."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -173,6 +176,7 @@ class PressureWatch:
         self._ways = PressureWays(self._mean_time)
         loop = bounds.loop
         self._frozen = FrozenMonitors(bounds.time, _FROZEN * loop, _EMPTY * loop)
+        self._jumped = JumpedMonitors(_LEAP * bounds.offset)
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
@@ -227,6 +231,10 @@ class PressureWatch:
         healthy = [channel.expected for channel in self._channels]
         self._ways.note(now, pressures, healthy)
         frozen = self._frozen.find(pressures, healthy, now)
+        off_healthy = [a - b for a, b in zip(pressures, healthy, strict=True)]
+        jumped = self._jumped.find(off_healthy, pressures, step)
+        if jumped is not None:
+            self._raise_jumped(*jumped)
         if long_off:
             self._raise_off(now)
         if frozen is not None:
@@ -240,6 +248,7 @@ class PressureWatch:
         self._line.clear()
         self._ways.clear()
         self._frozen.begin(self._pressures, now)
+        self._jumped.begin()
 
     def _patience(self, k: int) -> float:
         """Return for how long one may be off, s: less where its setpoint has not moved."""
@@ -258,6 +267,13 @@ class PressureWatch:
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
             f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):.3g} s]"
+        )
+
+    def _raise_jumped(self, k: int, jump: float) -> None:
+        raise PressureOff(
+            f"{self._device}: the monitor of {self._names[k]} has jumped, and its air cannot "
+            f"[{self._names[k]}: by {jump * 1e-3:+.0f} kPa from one cycle to the next, at most "
+            f"{_LEAP * self._bounds.offset * 1e-3:.3g} kPa]"
         )
 
     def _raise_frozen(self, k: int, now: float) -> None:

@@ -1,0 +1,85 @@
+"""Whether a pressure monitor says from one cycle to the next what no air can have done."""
+
+from collections.abc import Sequence
+from typing import Final
+
+_ALONE: Final = 0.25
+"""Air that moves goes on to: the cycles beside a jump may go by this share of it."""
+_AFTER: Final = 2
+"""So many cycles after it a monitor is to stay where it has jumped to: a spike does not."""
+_LATE: Final = 1.5
+"""A cycle that takes so many times the last one has missed something of the pressures."""
+
+
+class JumpedMonitors:
+    """Tells the monitor that jumps away from a healthy pressure within a cycle, and stays there.
+
+    A connector that slips or a supply of the amplifier that breaks down does that; a chamber that
+    is fed, vented or torn open moves for several cycles. A loop that is closed over the monitor
+    (a valve) makes up for the jump at once, and is then blind for how much air there is: nothing
+    but the jump itself gives it away.
+
+    Parameters
+    ----------
+    least : float
+        Smaller jumps are not looked at, Pa.
+    """
+
+    def __init__(self, least: float) -> None:
+        self._least = least
+        self._last: tuple[float, ...] = ()
+        self._shown: Sequence[float] = ()
+
+    def begin(self) -> None:
+        """Forget the past."""
+        self._last = self._shown = ()
+        self._step = 0.0
+        self._were_read = False
+
+    def find(
+        self, off: Sequence[float], shown: Sequence[float], step: float
+    ) -> tuple[int, float] | None:
+        """Take what a cycle reads; return which monitor has jumped and by how much, if one has.
+
+        Parameters
+        ----------
+        off : sequence of float
+            How far the monitors are off healthy pressures, Pa.
+        shown : sequence of float
+            What they say, Pa: the same of all of them is that of a frame which was lost.
+        step : float
+            Since the cycle before, s.
+        """
+        last, self._last = self._last, tuple(off)
+        were_read, self._were_read = self._were_read, shown != self._shown
+        self._shown = shown
+        if not last or step > _LATE * self._step or not self._were_read:
+            self._restart(len(off), step)
+            return None
+        self._step = step
+        found = None
+        for k, (here, before) in enumerate(zip(off, last, strict=True)):
+            way, way_before, self._ways[k] = here - before, self._ways[k], here - before
+            jump = self._jumps[k]
+            if jump:
+                if abs(way) > _ALONE * abs(jump):
+                    self._jumps[k] = 0.0
+                    continue
+                self._stayed[k] += 1
+                if self._stayed[k] >= _AFTER:
+                    self._jumps[k] = 0.0
+                    found = k, jump
+            elif (
+                abs(way) > self._least
+                and were_read
+                and abs(here) > abs(before)
+                and abs(way_before) <= _ALONE * abs(way)
+            ):
+                self._jumps[k], self._stayed[k] = way, 0
+        return found
+
+    def _restart(self, count: int, step: float) -> None:
+        self._step = step
+        self._ways = [0.0] * count
+        self._jumps = [0.0] * count
+        self._stayed = [0] * count
