@@ -1,6 +1,7 @@
 """A regulator that is stuck: how far, for how long, and which words for which signs."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -403,3 +404,23 @@ def test_who_has_been_off_beyond_its_own_time_for_longest_is_named():
     bench.pass_by(2, ch2=60e3)
     with pytest.raises(SafetyError, match=r"\[ch4: .* for 0\.00195 s\]"):
         bench.pass_by(3, ch2=60e3, ch4=60e3)
+
+
+@pytest.mark.parametrize("channel", CHANNELS)
+@pytest.mark.parametrize("jump", [25e3, -25e3])
+def test_a_monitor_that_jumps_is_told_at_once_whatever_else_is_permitted(channel, jump):
+    bench = Bench(deviation=NEVER, slow=NEVER, offset=12e3)
+    for cycle in range(50):
+        bench.pass_by(1, **dict.fromkeys(CHANNELS, 10.0 * (cycle % 3)))
+    bench.pass_by(1, **{channel: jump})
+    bench.pass_by(1, **{channel: jump + 10.0})
+    told = rf"the monitor of {channel} has jumped.*\[{channel}: by {re.escape(f'{jump * 1e-3:+.0f}')} kPa .* 24 kPa"
+    with pytest.raises(SafetyError, match=told):
+        bench.pass_by(1, **{channel: jump})
+
+
+def test_no_monitor_jumps_by_less_than_twice_the_offset_at_rest():
+    bench = Bench(deviation=NEVER, slow=NEVER, offset=12e3)
+    for cycle in range(50):
+        bench.pass_by(1, ch1=10.0 * (cycle % 3))
+    bench.pass_by(3, ch1=23.9e3)

@@ -319,8 +319,8 @@ def test_while_a_pressure_moves_its_mean_may_be_off_by_what_a_slow_one_would_be(
         turn = complex(math.cos(rate * t), math.sin(rate * t))
         bench.watch.send((START + swing * turn.imag,) * 4)
         later = turn * complex(math.cos(rate * STEP), math.sin(rate * STEP))
-        pressure = swing * (healthy * later).imag
-        extra = off if cycle > 4500 else 0.0
+        pressure = swing * (healthy * later).imag * min(cycle / 50, 1.0)
+        extra = off * min(max(cycle - 4500, 0) / 50, 1.0)  # what jumps is told at once
         try:
             bench.pass_by(1, ch1=pressure, ch2=pressure, ch3=pressure + extra, ch4=pressure)
         except SafetyError as error:

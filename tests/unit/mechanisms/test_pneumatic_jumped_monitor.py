@@ -1,0 +1,91 @@
+"""A monitor that jumps within a cycle and stays, and the pressures that may look like it."""
+
+import numpy as np
+import pytest
+
+from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
+
+STEP, LEAST, JUMP = 2.0**-10, 20e3, 80e3
+CALM = 10
+
+
+class Shown:
+    """Two monitors of pressures that are where they should be, but for what a test adds to one."""
+
+    def __init__(self):
+        self.jumped = JumpedMonitors(LEAST)
+        self.jumped.begin()
+        self.cycle = 0
+        self.pass_by([0.0] * CALM)
+
+    def pass_by(self, offs, step=STEP, is_read=True):
+        """Return what is found in each cycle; the pressures change a little unless none is read."""
+        found = []
+        for off in offs:
+            self.cycle += is_read
+            shown = (300e3 + self.cycle % 7, 200e3 + off)
+            found.append(self.jumped.find((0.0, off), shown, step))
+        return found
+
+
+@pytest.mark.parametrize("jump", [JUMP, -JUMP, 1.01 * LEAST, -1.01 * LEAST])
+def test_a_jump_that_stays_is_found_two_cycles_later_and_once(jump):
+    assert Shown().pass_by([jump] * 6) == [None, None, (1, jump), None, None, None]
+
+
+def test_it_is_found_while_a_valve_makes_up_for_it():
+    found = Shown().pass_by([JUMP, 0.9 * JUMP, 0.8 * JUMP, 0.7 * JUMP])
+    assert found == [None, None, (1, JUMP), None]
+
+
+@pytest.mark.parametrize(
+    "offs",
+    [
+        [0.99 * LEAST] * 6,
+        [JUMP, 0.0, 0.0, 0.0],  # a spike
+        [JUMP, JUMP, 0.0, 0.0],
+        [JUMP, 0.7 * JUMP, 0.7 * JUMP, 0.7 * JUMP],
+        [0.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP],  # air begins to move, …
+        [JUMP, 1.3 * JUMP, 1.5 * JUMP, 1.6 * JUMP],  # … and goes on to
+        [k * LEAST for k in range(1, 9)],
+    ],
+)
+def test_what_does_not_jump_and_stay_is_none(offs):
+    assert set(Shown().pass_by(offs)) == {None}
+
+
+def test_a_jump_back_to_health_is_none():
+    shown = Shown()
+    shown.pass_by(np.linspace(0.0, JUMP, 100).tolist())
+    shown.pass_by([JUMP] * CALM)
+    assert set(shown.pass_by([-0.9 * JUMP] * 6)) == {None}
+
+
+def test_what_was_missed_while_frames_were_lost_is_none():
+    shown = Shown()
+    shown.pass_by([0.0] * 5, is_read=False)
+    assert set(shown.pass_by([JUMP] * 6)) == {None}
+
+
+def test_what_was_missed_while_the_program_paused_is_none():
+    shown = Shown()
+    assert shown.pass_by([JUMP], step=20.0 * STEP) == [None]
+    assert set(shown.pass_by([JUMP] * 6)) == {None}
+
+
+def test_it_begins_anew_where_it_is_told_to():
+    shown = Shown()
+    shown.jumped.begin()
+    assert set(shown.pass_by([JUMP] * 6)) == {None}
+    assert shown.pass_by([2.0 * JUMP] * 3)[-1] == (1, JUMP)
+
+
+def test_the_other_monitor_is_told_from_it():
+    jumped = JumpedMonitors(LEAST)
+    jumped.begin()
+    found = [
+        jumped.find((-JUMP * (k > 4), JUMP * (k > 90)), (1e5 + k, 1e5 - k), STEP) for k in range(9)
+    ]
+    assert found[:7] == [None] * 7
+    assert found[7] == (0, -JUMP)
