@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
 
 STEP, LEAST, JUMP = 2.0**-10, 20e3, 80e3

@@ -414,7 +414,8 @@ def test_a_monitor_that_jumps_is_told_at_once_whatever_else_is_permitted(channel
         bench.pass_by(1, **dict.fromkeys(CHANNELS, 10.0 * (cycle % 3)))
     bench.pass_by(1, **{channel: jump})
     bench.pass_by(1, **{channel: jump + 10.0})
-    told = rf"the monitor of {channel} has jumped.*\[{channel}: by {re.escape(f'{jump * 1e-3:+.0f}')} kPa .* 24 kPa"
+    size = re.escape(f"{jump * 1e-3:+.0f}")
+    told = rf"the monitor of {channel} has jumped.*\[{channel}: by {size} kPa .* 24 kPa"
     with pytest.raises(SafetyError, match=told):
         bench.pass_by(1, **{channel: jump})
 
