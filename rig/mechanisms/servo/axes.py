@@ -20,6 +20,7 @@ from rig.hal.quantities import Margin
 from rig.mechanisms.servo.asked import AskedPositions
 from rig.mechanisms.servo.columns import servo_columns as servo_columns  # noqa: PLC0414 - others
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
+from rig.mechanisms.servo.stuck import StuckWatch
 from rig.mechanisms.servo.wiring import wire_axes
 from rig.mechanisms.stop_contact import StopContact
 
@@ -125,6 +126,10 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._applied: Vector | None = None
         self._speeds: Vector = self._still
         self._asked = AskedPositions(joints.names, joints.rates, limits.following, period)
+        whose = {name: servo.name for servo in servos for name in servo.axis_names}
+        self._stuck = StuckWatch(
+            [f"{whose[name]} joint {name}" for name in joints.names], limits.stuck
+        )
         self._stop: Command | None = None
         self._are_held = False
         self._braking = False
@@ -197,6 +202,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             raise LimitExceeded(
                 f"distance of {name} from where it was sent", self._largest_error, 0.0, slack, "rad"
             )
+        self._stuck.check(state.positions, self._applied, self._speeds, self._age)
 
     def resting_command(self, state: State) -> Command:
         """Return the command to stay; in mid-motion, to stop as soon as the limit permits."""
@@ -244,6 +250,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
     def start_limiting(self, state: State) -> None:
         """Take the measured positions for those that were sent."""
         self._applied = state.positions
+        self._stuck.begin(state.positions)
         self._speeds = self._still
         self._braking = False
         self._stop = None

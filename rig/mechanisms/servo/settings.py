@@ -20,11 +20,15 @@ class ServoLimits:
     acceleration : float
         With which a joint is slowed down when the rig stops in mid-motion, rad/s². On their way to
         a motion legs stop in `Timings.brake` instead.
+    stuck : float
+        How far a joint may be sent without going along, rad, beside what it is late by; further
+        is a fault. The sag of a servo as its load changes has to be less.
     """
 
     following: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=4.0 * math.pi)] = 0.15
     reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)] = 0.03
     acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
+    stuck: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=4.0 * math.pi)] = 0.05
 
 
 @dataclass(frozen=True, slots=True)

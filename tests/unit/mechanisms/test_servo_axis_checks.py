@@ -198,7 +198,7 @@ def test_before_anything_was_sent_no_axis_lags():
 
 
 def test_a_lag_is_the_distance_from_what_was_applied_and_not_from_what_was_wanted():
-    bench = ServoBench()
+    bench = ServoBench(stuck=1.0)
     bench.start()
     bench.limit(a=0.75)  # the rate permits 1/64 rad
     bench.place(a=1 / 64 - FOLLOWING)

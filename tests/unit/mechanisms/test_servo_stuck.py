@@ -1,0 +1,96 @@
+"""A joint that is sent away and does not go, and those that are late, sag, or turn round."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rig.hal import LimitExceeded
+from rig.mechanisms.servo.stuck import StuckWatch
+
+PERIOD, MOST = 0.005, 0.05
+
+
+class Joints:
+    """Two joints: `b` follows at once; where `a` is a test says."""
+
+    def __init__(self, start=0.3):
+        self.watch = StuckWatch(("a", "b"), MOST)
+        self.watch.begin((start, 0.0))
+        self.sent, self.cycles = start, 0
+
+    def go(self, sent, here, age=0.0):
+        speed = (sent - self.sent) / PERIOD
+        self.sent = sent
+        self.watch.check((here, sent), (sent, sent), (speed, speed), age)
+        self.cycles += 1
+
+
+def moves(speed, seconds, start=0.3):
+    return start + speed * PERIOD * np.arange(1, round(seconds / PERIOD) + 1)
+
+
+@pytest.mark.parametrize("speed", [0.2, -0.2, 0.02, 2.0])
+def test_a_joint_that_stays_is_named_once_it_was_sent_too_far(speed):
+    joints = Joints()
+    with pytest.raises(LimitExceeded, match="way that a was sent and does not go") as caught:
+        for sent in moves(speed, 10.0):
+            joints.go(sent, 0.3)
+    most = MOST + 0.03 * abs(speed)
+    assert caught.value.value == pytest.approx(most, abs=abs(speed) * PERIOD)
+    assert caught.value.upper == pytest.approx(most)
+
+
+def test_one_that_is_pushed_the_other_way_is_seen_sooner():
+    joints = Joints()
+    with pytest.raises(LimitExceeded):
+        for sent in moves(0.2, 10.0):
+            joints.go(sent, 0.3 - (sent - 0.3))
+    assert abs(joints.sent - 0.3) == pytest.approx(0.5 * (MOST + 0.03 * 0.2), abs=2e-3)
+
+
+@pytest.mark.parametrize("delay", [0, 2, 5])
+@pytest.mark.parametrize("speed", [0.05, 1.0, 4.7])
+def test_one_that_is_late_by_30_ms_is_well(delay, speed):
+    joints = Joints()
+    way = moves(speed, 3.0)
+    turned = np.concatenate((way, way[::-1], way, np.full(200, way[-1])))
+    late = np.concatenate((np.full(delay, 0.3), turned))
+    for sent, here in zip(turned, late, strict=False):
+        joints.go(sent, here)
+
+
+def test_old_readings_are_late_too():
+    way = moves(4.0, 1.0)
+    late = np.concatenate((np.full(10, 0.3), way))
+    joints = Joints()
+    for sent, here in zip(way, late, strict=False):
+        joints.go(sent, here, age=0.02)
+    joints = Joints()
+    with pytest.raises(LimitExceeded):
+        for sent, here in zip(way, late, strict=False):
+            joints.go(sent, here)
+
+
+@pytest.mark.parametrize("share", [0.26, 0.5, 1.0])
+def test_one_that_goes_by_a_quarter_of_its_way_is_not_stuck(share):
+    joints = Joints()
+    for sent in moves(0.2, 10.0):
+        joints.go(sent, 0.3 + share * (sent - 0.3))
+
+
+def test_one_that_sags_by_less_while_it_is_hardly_sent_is_well():
+    joints = Joints()
+    for k in range(1, 400):
+        joints.go(0.3 + 0.02 * math.sin(0.03 * k), 0.3 - 0.028 * math.sin(0.03 * k))
+
+
+def test_a_joint_that_followed_has_its_whole_way_again():
+    joints = Joints()
+    for sent in moves(0.2, 1.0):
+        joints.go(sent, sent)
+    here = joints.sent
+    with pytest.raises(LimitExceeded):
+        for sent in moves(-0.2, 1.0, here):
+            joints.go(sent, here)
+    assert here - joints.sent == pytest.approx(MOST + 0.006, abs=0.01)
