@@ -10,8 +10,9 @@ _FOLLOWS: Final = 0.25
 """A joint that goes by this share of the way that it is sent is not stuck."""
 _SEEN: Final = 0.1
 """Share of the permitted way from which on it may be told whether a joint follows."""
-_LATE: Final = 0.03
-"""A healthy drive and its reading are late by up to so much, s."""
+_LATE: Final = 0.05
+"""Twice of what a healthy drive and its reading are late by, s: one that is turned round at once
+goes on for as long."""
 
 
 class StuckWatch:

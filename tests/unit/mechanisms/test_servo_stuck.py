@@ -36,7 +36,7 @@ def test_a_joint_that_stays_is_named_once_it_was_sent_too_far(speed):
     with pytest.raises(LimitExceeded, match="way that a was sent and does not go") as caught:
         for sent in moves(speed, 10.0):
             joints.go(sent, 0.3)
-    most = MOST + 0.03 * abs(speed)
+    most = MOST + 0.05 * abs(speed)
     assert caught.value.value == pytest.approx(most, abs=abs(speed) * PERIOD)
     assert caught.value.upper == pytest.approx(most)
 
@@ -46,12 +46,12 @@ def test_one_that_is_pushed_the_other_way_is_seen_sooner():
     with pytest.raises(LimitExceeded):
         for sent in moves(0.2, 10.0):
             joints.go(sent, 0.3 - (sent - 0.3))
-    assert abs(joints.sent - 0.3) == pytest.approx(0.5 * (MOST + 0.03 * 0.2), abs=2e-3)
+    assert abs(joints.sent - 0.3) == pytest.approx(0.5 * (MOST + 0.05 * 0.2), abs=2e-3)
 
 
 @pytest.mark.parametrize("delay", [0, 2, 5])
 @pytest.mark.parametrize("speed", [0.05, 1.0, 4.7])
-def test_one_that_is_late_by_30_ms_is_well(delay, speed):
+def test_one_that_is_late_by_25_ms_is_well(delay, speed):
     joints = Joints()
     way = moves(speed, 3.0)
     turned = np.concatenate((way, way[::-1], way, np.full(200, way[-1])))
@@ -62,7 +62,7 @@ def test_one_that_is_late_by_30_ms_is_well(delay, speed):
 
 def test_old_readings_are_late_too():
     way = moves(4.0, 1.0)
-    late = np.concatenate((np.full(10, 0.3), way))
+    late = np.concatenate((np.full(14, 0.3), way))
     joints = Joints()
     for sent, here in zip(way, late, strict=False):
         joints.go(sent, here, age=0.02)
@@ -93,4 +93,4 @@ def test_a_joint_that_followed_has_its_whole_way_again():
     with pytest.raises(LimitExceeded):
         for sent in moves(-0.2, 1.0, here):
             joints.go(sent, here)
-    assert here - joints.sent == pytest.approx(MOST + 0.006, abs=0.01)
+    assert here - joints.sent == pytest.approx(MOST + 0.01, abs=0.01)
