@@ -33,7 +33,11 @@ class FallWatch:
         self._weight = weight
         self._most = max(1, round(_LASTS / period))
         self._cycles = 0
-        self.has_fallen = False
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether it has been found to fall."""
+        return self._cycles >= self._most
 
     def see(self, sensing: Sensing) -> None:
         """Take the measurements of a cycle.
@@ -47,7 +51,6 @@ class FallWatch:
         borne = sensing.feet[0].force + sensing.feet[1].force
         falls = lean > self._bound and borne < _BORNE * self._weight
         self._cycles = self._cycles + 1 if falls else 0
-        self.has_fallen = self._cycles >= self._most
         if self.has_fallen:
             raise SafetyError(
                 f"the robot falls or lies: its waist leans by {math.degrees(lean):.3g} deg, the "

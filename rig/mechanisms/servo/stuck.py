@@ -1,6 +1,5 @@
 """Whether a joint stays where it is while it is sent elsewhere."""
 
-import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -63,7 +62,7 @@ class StuckWatch:
             asked = abs(way)
             if asked <= self._least:
                 continue
-            gone = (here - stood[k]) * math.copysign(1.0, way)
+            gone = here - stood[k] if way > 0.0 else stood[k] - here
             if gone >= _FOLLOWS * asked:
                 bases[k], stood[k] = there, here
             elif asked - gone > (most := self._most + (_LATE + age) * abs(speeds[k])):

@@ -47,6 +47,13 @@ def test_one_sensor_alone_stops_nobody(lean, share):
     assert not its.has_fallen
 
 
+def test_a_lean_of_just_the_bound_is_borne():
+    its = watch(bound=math.radians(45.0))
+    for _ in range(200):
+        its.see(felt(45.0, 0.0))
+    assert not its.has_fallen
+
+
 def test_a_moment_on_the_feet_begins_the_time_anew():
     its = watch()
     for _ in range(20):

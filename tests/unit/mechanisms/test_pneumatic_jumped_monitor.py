@@ -5,7 +5,7 @@ import pytest
 
 from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
 
-STEP, LEAST, JUMP = 2.0**-10, 20e3, 80e3
+STEP, LEAST, JUMP = 2.0**-10, 2.0**14, 2.0**16
 CALM = 10
 
 
@@ -41,10 +41,13 @@ def test_it_is_found_while_a_valve_makes_up_for_it():
 @pytest.mark.parametrize(
     "offs",
     [
-        [0.99 * LEAST] * 6,
+        [LEAST] * 6,
+        [-LEAST] * 6,
         [JUMP, 0.0, 0.0, 0.0],  # a spike
         [JUMP, JUMP, 0.0, 0.0],
         [JUMP, 0.7 * JUMP, 0.7 * JUMP, 0.7 * JUMP],
+        [JUMP, JUMP, 0.7 * JUMP, 0.7 * JUMP],
+        [-0.3 * JUMP, 0.7 * JUMP, 0.7 * JUMP, 0.7 * JUMP],  # it has gone the other way before
         [0.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP],  # air begins to move, …
         [JUMP, 1.3 * JUMP, 1.5 * JUMP, 1.6 * JUMP],  # … and goes on to
         [k * LEAST for k in range(1, 9)],
@@ -54,11 +57,20 @@ def test_what_does_not_jump_and_stay_is_none(offs):
     assert set(Shown().pass_by(offs)) == {None}
 
 
-def test_a_jump_back_to_health_is_none():
+def test_cycles_beside_a_jump_may_go_by_a_quarter_of_it():
+    quarter = 0.25 * JUMP
+    for before in (quarter, -quarter):
+        found = Shown().pass_by([before, before + JUMP, before + JUMP + quarter, before + JUMP])
+        assert found == [None, None, None, (1, JUMP)]
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("share", [0.9, 1.0])
+def test_a_jump_back_to_health_or_through_it_is_none(way, share):
     shown = Shown()
-    shown.pass_by(np.linspace(0.0, JUMP, 100).tolist())
-    shown.pass_by([JUMP] * CALM)
-    assert set(shown.pass_by([-0.9 * JUMP] * 6)) == {None}
+    shown.pass_by(np.linspace(0.0, way * JUMP, 100).tolist())
+    shown.pass_by([way * JUMP] * CALM)
+    assert set(shown.pass_by([-share * way * JUMP] * 6)) == {None}
 
 
 def test_what_was_missed_while_frames_were_lost_is_none():
@@ -67,14 +79,32 @@ def test_what_was_missed_while_frames_were_lost_is_none():
     assert set(shown.pass_by([JUMP] * 6)) == {None}
 
 
-def test_what_was_missed_while_the_program_paused_is_none():
+@pytest.mark.parametrize("longer", [1.75, 20.0])
+def test_what_was_missed_while_the_program_paused_is_none(longer):
     shown = Shown()
-    assert shown.pass_by([JUMP], step=20.0 * STEP) == [None]
+    for jump in (JUMP, 2.0 * JUMP):  # of two pauses the second is one, too
+        assert shown.pass_by([jump], step=longer * STEP) == [None]
+        assert set(shown.pass_by([jump] * 6)) == {None}
+
+
+def test_nor_is_what_comes_right_after_a_pause():
+    shown = Shown()
+    shown.pass_by([0.0], step=20.0 * STEP)
     assert set(shown.pass_by([JUMP] * 6)) == {None}
+
+
+def test_a_cycle_may_be_half_as_long_again():
+    assert Shown().pass_by([JUMP], step=1.5 * STEP) == [None]
+    shown = Shown()
+    shown.pass_by([JUMP], step=1.5 * STEP)
+    assert shown.pass_by([JUMP] * 2) == [None, (1, JUMP)]
 
 
 def test_it_begins_anew_where_it_is_told_to():
     shown = Shown()
+    shown.pass_by([JUMP])
+    shown.jumped.begin()
+    assert set(shown.pass_by([2.0 * JUMP] * 6)) == {None}
     shown.jumped.begin()
     assert set(shown.pass_by([JUMP] * 6)) == {None}
     assert shown.pass_by([2.0 * JUMP] * 3)[-1] == (1, JUMP)

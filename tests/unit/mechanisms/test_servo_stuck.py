@@ -94,3 +94,29 @@ def test_a_joint_that_followed_has_its_whole_way_again():
         for sent in moves(-0.2, 1.0, here):
             joints.go(sent, here)
     assert here - joints.sent == pytest.approx(MOST + 0.01, abs=0.01)
+
+
+def test_what_is_left_of_the_way_may_be_the_bound_and_is_told_beyond_it():
+    watch = StuckWatch(("a",), 0.5)
+    watch.begin((1.0,))
+    watch.check((0.875,), (1.375,), (0.0,), 0.0)
+    with pytest.raises(LimitExceeded) as caught:
+        watch.check((0.8125,), (1.375,), (0.0,), 0.0)
+    its = caught.value
+    assert (its.value, its.lower, its.upper) == (0.5625, 0.0, 0.5)
+
+
+def test_from_a_quarter_of_its_way_on_a_joint_begins_anew():
+    watch = StuckWatch(("a",), 0.5)
+    watch.begin((0.0,))
+    watch.check((0.125,), (0.5,), (0.0,), 0.0)
+    watch.check((0.125,), (1.0,), (0.0,), 0.0)
+
+
+def test_a_way_of_a_tenth_tells_nothing():
+    watch = StuckWatch(("a",), 0.5)
+    watch.begin((0.0,))
+    watch.check((0.05,), (0.05,), (0.0,), 0.0)  # it may have come along by chance
+    with pytest.raises(LimitExceeded) as caught:
+        watch.check((0.0,), (0.5625,), (0.0,), 0.0)
+    assert caught.value.value == 0.5625

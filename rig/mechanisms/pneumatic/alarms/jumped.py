@@ -27,14 +27,13 @@ class JumpedMonitors:
 
     def __init__(self, least: float) -> None:
         self._least = least
-        self._last: tuple[float, ...] = ()
         self._shown: Sequence[float] = ()
+        self._step: float
+        self.begin()
 
     def begin(self) -> None:
         """Forget the past."""
-        self._last = self._shown = ()
-        self._step = 0.0
-        self._were_read = False
+        self._last: tuple[float, ...] = ()
 
     def find(
         self, off: Sequence[float], shown: Sequence[float], step: float
@@ -51,12 +50,11 @@ class JumpedMonitors:
             Since the cycle before, s.
         """
         last, self._last = self._last, tuple(off)
-        were_read, self._were_read = self._were_read, shown != self._shown
-        self._shown = shown
-        if not last or step > _LATE * self._step or not self._were_read:
+        is_read, self._shown = shown != self._shown, shown
+        if not last or step > _LATE * self._step or not is_read:
             self._restart(len(off), step)
             return None
-        self._step = step
+        goes_on, self._goes_on, self._step = self._goes_on, True, step
         found = None
         for k, (here, before) in enumerate(zip(off, last, strict=True)):
             way, way_before, self._ways[k] = here - before, self._ways[k], here - before
@@ -71,7 +69,7 @@ class JumpedMonitors:
                     found = k, jump
             elif (
                 abs(way) > self._least
-                and were_read
+                and goes_on
                 and abs(here) > abs(before)
                 and abs(way_before) <= _ALONE * abs(way)
             ):
@@ -79,7 +77,9 @@ class JumpedMonitors:
         return found
 
     def _restart(self, count: int, step: float) -> None:
+        """Look for no jump in this cycle, nor in the next, which may make up for it."""
         self._step = step
+        self._goes_on = False
         self._ways = [0.0] * count
         self._jumps = [0.0] * count
         self._stayed = [0] * count
