@@ -322,4 +322,28 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "way > stroke -> way >= stroke",
         "no sum of steps is the stroke to the last bit, and one more step changes nothing",
     ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/jumped.py",
+        "self._ways = [0.0] * count",
+        "0.0 -> 1.0",
+        "the cycle after it begins no jump, whatever went before",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/jumped.py",
+        "self._stayed = [0] * count",
+        "0 -> 1",
+        "a jump begins its count itself",
+    ),
+    Equivalent(
+        "rig/mechanisms/servo/stuck.py",
+        "if asked <= self._least:",
+        "asked <= self._least -> asked < self._least",
+        "where a joint that followed begins anew matters by a fraction of a bit",
+    ),
+    Equivalent(
+        "rig/mechanisms/servo/stuck.py",
+        "gone = here - stood[k] if way > 0.0 else stood[k] - here",
+        "way > 0.0 -> way >= 0.0",
+        "a way of nothing was passed over before",
+    ),
 )

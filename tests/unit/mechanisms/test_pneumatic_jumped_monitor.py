@@ -14,7 +14,6 @@ class Shown:
 
     def __init__(self):
         self.jumped = JumpedMonitors(LEAST)
-        self.jumped.begin()
         self.cycle = 0
         self.pass_by([0.0] * CALM)
 
@@ -47,6 +46,7 @@ def test_it_is_found_while_a_valve_makes_up_for_it():
         [JUMP, JUMP, 0.0, 0.0],
         [JUMP, 0.7 * JUMP, 0.7 * JUMP, 0.7 * JUMP],
         [JUMP, JUMP, 0.7 * JUMP, 0.7 * JUMP],
+        [-0.24 * JUMP, 0.66 * JUMP, 0.66 * JUMP, 0.66 * JUMP],
         [-0.3 * JUMP, 0.7 * JUMP, 0.7 * JUMP, 0.7 * JUMP],  # it has gone the other way before
         [0.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP, 1.3 * JUMP],  # air begins to move, …
         [JUMP, 1.3 * JUMP, 1.5 * JUMP, 1.6 * JUMP],  # … and goes on to
@@ -112,7 +112,6 @@ def test_it_begins_anew_where_it_is_told_to():
 
 def test_the_other_monitor_is_told_from_it():
     jumped = JumpedMonitors(LEAST)
-    jumped.begin()
     found = [
         jumped.find((-JUMP * (k > 4), JUMP * (k > 90)), (1e5 + k, 1e5 - k), STEP) for k in range(9)
     ]
