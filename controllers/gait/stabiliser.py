@@ -16,7 +16,13 @@ _RATE_SHARE: Final = 0.999
 """Of the joints' greatest rate that a corrected step takes at most."""
 
 _STRAIGHTEST: Final = math.radians(0.5)
-"""rad: no correction bends a knee less, unless the plan has it straighter."""
+"""rad: no correction bends a knee less, unless the plan has it straighter …"""
+_STRAIGHT: Final = math.radians(12.0)
+"""… and from here on the waist is lowered: a knee turns the faster, the straighter it is."""
+_SOFTLY: Final = 0.8e-3
+"""Over so much of the leg's length that begins, m, …"""
+_SPARED: Final = 0.5
+"""… or over this share of what is left of it."""
 
 
 class Stabiliser:
@@ -47,6 +53,7 @@ class Stabiliser:
         self._period = period
         self._weight = GRAVITY * geometry.masses.total
         self._longest = geometry.distance(_STRAIGHTEST)
+        self._long = geometry.distance(_STRAIGHT)
         self._most = _RATE_SHARE * geometry.max_rate * period
         self._limits = geometry.limits
         self._suspicion = Suspicion(self._weight, period)
@@ -126,8 +133,9 @@ class Stabiliser:
         for leg in legs:
             hip = hip_from_ankle(self._geometry, leg)  # type: ignore[arg-type]
             far = (hip[0] + x) ** 2 + (hip[1] + y) ** 2
-            reach = max(self._longest**2, hip[0] ** 2 + hip[1] ** 2 + hip[2] ** 2)
-            lower = min(lower, math.sqrt(reach - far) - hip[2])
+            reach = max(self._long, math.sqrt(hip[0] ** 2 + hip[1] ** 2 + hip[2] ** 2))
+            softly = min(_SOFTLY, _SPARED * max(self._longest - reach, 0.0))
+            lower = min(lower, -_softened(hip[2] - math.sqrt(reach**2 - far), softly))
             hips.append(hip)
         joints: tuple[float, ...] = ()
         for leg, hip in zip(legs, hips, strict=True):
@@ -151,3 +159,18 @@ class Stabiliser:
         corrected = tuple(angles)
         self._last = (corrected, planned)
         return corrected
+
+
+def _softened(excess: float, softly: float) -> float:
+    """Return how much of an excess is made up for, m: little at first, then all but half of softly.
+
+    Parameters
+    ----------
+    excess : float
+        Of a leg's length, m.
+    softly : float
+        Excess from which on what is more is made up for as a whole, m.
+    """
+    if excess <= 0.0:
+        return 0.0
+    return excess - 0.5 * softly if excess >= softly else 0.5 * excess**2 / softly

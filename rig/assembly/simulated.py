@@ -16,6 +16,7 @@ from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError, Plant
 from rig.hal.columns import Column
+from rig.hal.fits import is_ours
 from rig.hal.plant import LentPlant
 
 
@@ -51,7 +52,12 @@ def make_plant(profile: Profile) -> Any:
 
 
 def _plant_of(model: str, plant: type, *arguments: object) -> Any:
-    made = make(f"the plant {model}", plant, *arguments)
+    try:
+        made = make(f"the plant {model}", plant, *arguments)
+    except ValueError as error:  # its settings are valid, and do not suit this geometry
+        if not is_ours(plant):
+            raise
+        raise ConfigurationError(f"the plant {model}: {error}") from error
     check_offers(f"the plant {model}", made, Plant)
     return made
 

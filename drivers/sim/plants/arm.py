@@ -5,6 +5,7 @@ that a mistake on either side shows as a distance between hand and path.
 """
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -22,6 +23,9 @@ from drivers.sim.plants.arm_model import (
 from drivers.sim.plants.arm_settings import ArmPlantSettings
 from drivers.sim.plants.push import ALONG, Push
 
+_START = (0.0, math.pi / 6, math.pi / 2, 0.0, -math.pi / 6, 0.0)  # rad
+_INSIDE = 0.02
+"""Share of a range by which an arm that is not told where to start stays off its ends."""
 _TUNING_POSE = (0.0, math.pi / 4, math.pi / 2, 0.0, math.pi / 4, 0.0)  # rad
 
 
@@ -65,13 +69,7 @@ class ArmPlant:
     """Names and units of `truth`."""
 
     def __init__(self, settings: ArmPlantSettings, seed: int, geometry: ArmDimensions) -> None:
-        for k, angle in enumerate(settings.start):
-            low, high = geometry.position_min[k], geometry.position_max[k]
-            if not low <= angle <= high:
-                raise ValueError(
-                    f"start: {JOINTS[k]} at {angle:g} rad is outside its range, "
-                    f"{low:g} … {high:g} rad."
-                )
+        start = _start(settings.start, geometry)
         self.settings = settings
         self._dt = settings.timestep
         self._steps = 0
@@ -90,7 +88,7 @@ class ArmPlant:
         self._tool_mass = float(self._model.body_mass[self._tool])
         self._blocked = [False] * len(JOINTS)
         self._brake_broken = [False] * len(JOINTS)
-        self._data.qpos[:] = settings.start
+        self._data.qpos[:] = start
         self._hold_on_brakes()
         mujoco.mj_forward(self._model, self._data)
         self._angles: list[float] = self._data.qpos.tolist()
@@ -272,3 +270,21 @@ def _draw_unit(settings: ArmPlantSettings, seed: int) -> ArmDeviations:
     masses = 1.0 + settings.mass_spread * generator.uniform(-1.0, 1.0, len(LINKS))
     frictions = 1.0 + settings.friction_spread * generator.uniform(-1.0, 1.0, len(JOINTS))
     return ArmDeviations(tuple(masses.tolist()), tuple(frictions.tolist()))
+
+
+def _start(asked: Sequence[float] | None, geometry: ArmDimensions) -> list[float]:
+    """Return where the joints stand at first, rad."""
+    ranges = list(zip(geometry.position_min, geometry.position_max, strict=True))
+    if asked is None:
+        insets = [_INSIDE * (high - low) for low, high in ranges]
+        return [
+            min(max(angle, low + inset), high - inset)
+            for angle, inset, (low, high) in zip(_START, insets, ranges, strict=True)
+        ]
+    for name, angle, (low, high) in zip(JOINTS, asked, ranges, strict=True):
+        if not low <= angle <= high:
+            raise ValueError(
+                f"plant.start: {name} at {math.degrees(angle):.4g} deg is outside its range, "
+                f"{math.degrees(low):.4g} … {math.degrees(high):.4g} deg"
+            )
+    return list(asked)

@@ -5,7 +5,6 @@ such robots have them, friction a tenth of a harmonic drive's rating, drives as 
 them. Lengths and joint ranges are the profile's geometry.
 """
 
-import math
 from dataclasses import dataclass, field
 from typing import Annotated, TypeVar
 
@@ -92,8 +91,9 @@ class ArmPlantSettings:
         What it is made of.
     drives : ArmDriveSettings
         What moves it.
-    start : tuple of float
-        Where the joints stand at first, rad.
+    start : tuple of float, optional
+        Where the joints stand at first, rad. None: 0, 30, 90, 0, -30 and 0 degrees, or as near as
+        their ranges permit.
     stop_margin : float
         From a joint's range to its mechanical stop, rad.
     mass_spread, friction_spread : float
@@ -105,7 +105,7 @@ class ArmPlantSettings:
 
     links: ArmLinkSettings = field(default_factory=ArmLinkSettings)
     drives: ArmDriveSettings = field(default_factory=ArmDriveSettings)
-    start: Six[Angle] = (0.0, math.pi / 6, math.pi / 2, 0.0, -math.pi / 6, 0.0)
+    start: Six[Angle] | None = None
     stop_margin: Annotated[float, Unit("rad"), Ge(0)] = 0.1
     mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.05
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.3

@@ -1,5 +1,6 @@
 """In what the simulated arm is another one than a path is timed for."""
 
+import math
 from collections.abc import Iterator
 from typing import Protocol, cast
 
@@ -23,6 +24,7 @@ class _Drives(Protocol):
 class _Plant(Protocol):
     links: _Links
     drives: _Drives
+    start: tuple[float, ...] | None
 
 
 def differences(geometry: ArmGeometry, reference: object, plant: object) -> Iterator[str]:
@@ -30,9 +32,12 @@ def differences(geometry: ArmGeometry, reference: object, plant: object) -> Iter
 
     Masses and torques count where the path is timed with them.
     """
-    if not isinstance(reference, PosePath) or not hasattr(plant, "links"):
+    if not hasattr(plant, "links"):
         return
     its = cast("_Plant", plant)
+    yield from _starts_outside(geometry, its)
+    if not isinstance(reference, PosePath):
+        return
     carried = reference.payload.mass
     if (carried > 0.0 or reference.torques) and not _alike(carried, its.links.payload):
         yield (
@@ -58,6 +63,18 @@ def differences(geometry: ArmGeometry, reference: object, plant: object) -> Iter
                 f"and the simulated one has {true:g} kg (plant.links.masses)"
             )
             break
+
+
+def _starts_outside(geometry: ArmGeometry, plant: _Plant) -> Iterator[str]:
+    for name, start, low, high in zip(
+        AXIS_NAMES, plant.start or (), geometry.position_min, geometry.position_max, strict=False
+    ):
+        if not low <= start <= high:
+            yield (
+                f"the simulated arm is to start with {name} at {math.degrees(start):.4g} deg "
+                f"(plant.start), outside its range of {math.degrees(low):.4g} to "
+                f"{math.degrees(high):.4g} deg: no simulation begins there"
+            )
 
 
 def _alike(one: float, other: float) -> bool:

@@ -78,7 +78,8 @@ class LegsSettings(ServoSettings):
         the legs hang, and nothing is known of them.
     fall_tilt : float, optional
         Lean of the waist beyond which the run stops if the feet bear less than half of the weight,
-        too: the robot has fallen, rad. None: never. It needs load_cells and inertial.
+        too: the robot falls, rad. Whatever the lean, one that has stood and bears less than a tenth
+        for 0.3 s lies or is lifted. None: neither stops it. It needs load_cells and inertial.
     """
 
     geometry: LegGeometry = field(default_factory=LegGeometry)

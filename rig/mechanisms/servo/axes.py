@@ -20,7 +20,7 @@ from rig.hal.quantities import Margin
 from rig.mechanisms.servo.asked import AskedPositions
 from rig.mechanisms.servo.columns import servo_columns as servo_columns  # noqa: PLC0414 - others
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
-from rig.mechanisms.servo.stuck import StuckWatch
+from rig.mechanisms.servo.stuck import StandstillWatch
 from rig.mechanisms.servo.wiring import wire_axes
 from rig.mechanisms.stop_contact import StopContact
 
@@ -127,7 +127,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._speeds: Vector = self._still
         self._asked = AskedPositions(joints.names, joints.rates, limits.following, period)
         whose = {name: servo.name for servo in servos for name in servo.axis_names}
-        self._stuck = StuckWatch(
+        self._stuck = StandstillWatch(
             [f"{whose[name]} joint {name}" for name in joints.names], limits.stuck
         )
         self._stop: Command | None = None

@@ -14,7 +14,7 @@ _LATE: Final = 0.05
 goes on for as long."""
 
 
-class StuckWatch:
+class StandstillWatch:
     """Tells the joint that is sent away and does not go.
 
     A bound on the distance of a joint from where it was sent has to bear the lag of fast motions

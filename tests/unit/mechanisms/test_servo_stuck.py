@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rig.hal import LimitExceeded
-from rig.mechanisms.servo.stuck import StuckWatch
+from rig.mechanisms.servo.stuck import StandstillWatch
 
 PERIOD, MOST = 0.005, 0.05
 
@@ -15,7 +15,7 @@ class Joints:
     """Two joints: `b` follows at once; where `a` is a test says."""
 
     def __init__(self, start=0.3):
-        self.watch = StuckWatch(("a", "b"), MOST)
+        self.watch = StandstillWatch(("a", "b"), MOST)
         self.watch.begin((start, 0.0))
         self.sent, self.cycles = start, 0
 
@@ -97,7 +97,7 @@ def test_a_joint_that_followed_has_its_whole_way_again():
 
 
 def test_what_is_left_of_the_way_may_be_the_bound_and_is_told_beyond_it():
-    watch = StuckWatch(("a",), 0.5)
+    watch = StandstillWatch(("a",), 0.5)
     watch.begin((1.0,))
     watch.check((0.875,), (1.375,), (0.0,), 0.0)
     with pytest.raises(LimitExceeded) as caught:
@@ -107,14 +107,14 @@ def test_what_is_left_of_the_way_may_be_the_bound_and_is_told_beyond_it():
 
 
 def test_from_a_quarter_of_its_way_on_a_joint_begins_anew():
-    watch = StuckWatch(("a",), 0.5)
+    watch = StandstillWatch(("a",), 0.5)
     watch.begin((0.0,))
     watch.check((0.125,), (0.5,), (0.0,), 0.0)
     watch.check((0.125,), (1.0,), (0.0,), 0.0)
 
 
 def test_a_way_of_a_tenth_tells_nothing():
-    watch = StuckWatch(("a",), 0.5)
+    watch = StandstillWatch(("a",), 0.5)
     watch.begin((0.0,))
     watch.check((0.05,), (0.05,), (0.0,), 0.0)  # it may have come along by chance
     with pytest.raises(LimitExceeded) as caught:

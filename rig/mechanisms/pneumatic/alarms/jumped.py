@@ -29,6 +29,10 @@ class JumpedMonitors:
         self._least = least
         self._shown: Sequence[float] = ()
         self._step: float
+        self._goes_on: bool
+        self._ways: list[float]
+        self._jumps: list[float]
+        self._stayed: list[int]
         self.begin()
 
     def begin(self) -> None:

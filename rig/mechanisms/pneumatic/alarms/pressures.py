@@ -231,10 +231,7 @@ class PressureWatch:
         healthy = [channel.expected for channel in self._channels]
         self._ways.note(now, pressures, healthy)
         frozen = self._frozen.find(pressures, healthy, now)
-        off_healthy = [a - b for a, b in zip(pressures, healthy, strict=True)]
-        jumped = self._jumped.find(off_healthy, pressures, step)
-        if jumped is not None:
-            self._raise_jumped(*jumped)
+        self._check_jumps(pressures, healthy, step)
         if long_off:
             self._raise_off(now)
         if frozen is not None:
@@ -269,7 +266,12 @@ class PressureWatch:
             f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):.3g} s]"
         )
 
-    def _raise_jumped(self, k: int, jump: float) -> None:
+    def _check_jumps(self, pressures: Sequence[float], healthy: list[float], step: float) -> None:
+        off = [pressure - should for pressure, should in zip(pressures, healthy, strict=True)]
+        found = self._jumped.find(off, pressures, step)
+        if found is None:
+            return
+        k, jump = found
         raise PressureOff(
             f"{self._device}: the monitor of {self._names[k]} has jumped, and its air cannot "
             f"[{self._names[k]}: by {jump * 1e-3:+.0f} kPa from one cycle to the next, at most "
