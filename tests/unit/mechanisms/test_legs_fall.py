@@ -100,6 +100,13 @@ def test_a_robot_that_is_not_watched_may_lie():
         its.see(felt(170.0, 0.0))
 
 
+def test_a_slow_loop_sees_who_left_its_feet_in_its_first_cycle():
+    its = watch(period=1.0)
+    its.see(felt(0.0, WEIGHT))
+    with pytest.raises(SafetyError):
+        its.see(felt(0.0, 0.0))
+
+
 def test_a_slow_loop_sees_it_in_its_first_cycle():
     with pytest.raises(SafetyError):
         watch(period=0.2).see(felt(45.0, 0.0))
