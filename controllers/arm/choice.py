@@ -38,7 +38,7 @@ def begun_elsewhere(
     OutOfRange
         There is no such beginning.
     """
-    why = f"begun where near has it, {str(refused).rstrip('.')}"
+    why = f"from the nearest beginning (near, begin), {str(refused).rstrip('.')}"
     if refused.turns is not None:
         made = planned(path.turned(refused.turns))
         return _noted(made, f"{_turned(refused.turns)}: {why}")

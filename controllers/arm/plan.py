@@ -24,6 +24,10 @@ from controllers.motion import InfeasibleMotion
 Array = NDArray[np.float64]
 
 
+_RUNS_AWAY = 20.0 * math.tau
+"""rad: so far no joint is led but by rates that have no bound."""
+
+
 class Sample(NamedTuple):
     """One period of a law's motion.
 
@@ -276,8 +280,9 @@ class RangeWatch:
             lower, upper = self._ranges[j]
             if math.ceil((lower - low) / math.tau) > math.floor((upper - high) / math.tau):
                 raise OutOfRange(
-                    f"{AXIS_NAMES[j]} would go from {low:.4f} to {high:.4f} rad, which its range "
-                    f"of {lower:.4f} to {upper:.4f} rad does not hold.",
+                    f"{AXIS_NAMES[j]} would go from {math.degrees(low):.2f} to "
+                    f"{math.degrees(high):.2f} deg, which its range of {math.degrees(lower):.2f} "
+                    f"to {math.degrees(upper):.2f} deg does not hold.",
                     None,
                 )
 
@@ -322,20 +327,23 @@ def check_joint_limits(
     bound = lower[j] if positions[k, j] < lower[j] else upper[j]
     words = (
         f"after {t[k]:.3f} s{where(k)} {AXIS_NAMES[j]} would be at "
-        f"{_beside(positions[k, j], bound)} rad, outside its range of {lower[j]:.4f} to "
-        f"{upper[j]:.4f} rad."
+        f"{_beside(positions[k, j], bound)}, outside its range of {math.degrees(lower[j]):.2f} to "
+        f"{math.degrees(upper[j]):.2f} deg."
     )
     if beyond[worst] > 1.1 * beyond[k]:
         words += (
             f" It would be farthest outside after {t[worst]:.3f} s{where(worst)}, at "
-            f"{_beside(positions[worst, j], bound)} rad."
+            f"{_beside(positions[worst, j], bound)}."
         )
     raise OutOfRange(words, turns)
 
 
 def _beside(angle: float, bound: float) -> str:
-    """Return an angle in as many digits as tell it from a bound."""
-    return next(text for n in range(4, 17) if (text := f"{angle:.{n}f}") != f"{bound:.{n}f}")
+    """Return an angle in as many digits as tell it from a bound, or that it runs away."""
+    if abs(angle) > _RUNS_AWAY:
+        return f"more than {_RUNS_AWAY / math.tau:.0f} turns, as at a singularity"
+    own, its = math.degrees(angle), math.degrees(bound)
+    return next(f"{own:.{n}f} deg" for n in range(2, 17) if f"{own:.{n}f}" != f"{its:.{n}f}")
 
 
 def inside_boundary(arm: Dimensions, q: Joints) -> float:

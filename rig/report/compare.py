@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from rig.hal import ConfigurationError
-from rig.report.comparison import ComparisonRow
+from rig.report.comparison import ComparisonRow, rows_of_metrics
 from rig.report.comparisons import comparison_of
 from rig.report.data import RunData, imprint_of, load_run
 from rig.report.style import paper_style, save
@@ -34,26 +34,7 @@ def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[
     tabulate = comparison_of(runs).tabulate
     if tabulate is not None:
         return tabulate(runs, labels)
-    rows: dict[str, ComparisonRow] = {}
-    for number, run in enumerate(runs):
-        for metric in run.metrics:
-            row = rows.setdefault(
-                metric["name"],
-                {
-                    "name": metric["name"],
-                    "unit": metric["unit"],
-                    "bound": metric.get("bound"),
-                    "bound_kind": metric.get("bound_kind"),
-                    "values": [None] * len(paths),
-                },
-            )
-            row["values"][number] = metric["value"]
-    # With two bounds a metric is there twice, but it is one number.
-    return [
-        row
-        for name, row in rows.items()
-        if not (name.endswith(".min") and name.removesuffix(".min") in rows)
-    ]
+    return rows_of_metrics(runs)
 
 
 def draw_comparison(

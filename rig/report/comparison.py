@@ -60,6 +60,30 @@ def metric_values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
     return np.array(values, float)
 
 
+def rows_of_metrics(runs: Sequence[RunData]) -> list[ComparisonRow]:
+    """Return a row for each metric, in the order of the first run that has it."""
+    rows: dict[str, ComparisonRow] = {}
+    for number, run in enumerate(runs):
+        for metric in run.metrics:
+            row = rows.setdefault(
+                metric["name"],
+                {
+                    "name": metric["name"],
+                    "unit": metric["unit"],
+                    "bound": metric.get("bound"),
+                    "bound_kind": metric.get("bound_kind"),
+                    "values": [None] * len(runs),
+                },
+            )
+            row["values"][number] = metric["value"]
+    # With two bounds a metric is there twice, but it is one number.
+    return [
+        row
+        for name, row in rows.items()
+        if not (name.endswith(".min") and name.removesuffix(".min") in rows)
+    ]
+
+
 def write_value(axes: "Axes", text: str, x: float, y: float) -> None:
     """Write a bar's value at its end."""
     axes.annotate(

@@ -202,7 +202,7 @@ def test_an_arms_branch_and_singularities_are_told_with_the_reason(capsys):
     told = {remark["kind"]: remark["message"] for remark in remarks}
     assert "elbow -" in told["begins"]
     assert re.search(
-        r"elbow -.*: begun where near has it.* q3 would be at 1\.\d+ rad, outside its range",
+        r"elbow -.*: from the nearest beginning.* q3 would be at \d+\.\d+ deg, outside its range",
         told["chosen"],
     )
 

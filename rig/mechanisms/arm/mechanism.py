@@ -15,7 +15,7 @@ from controllers.arm.law import AnyArmLaw
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.pose_path import PosePath
 from controllers.arm.trajectories import ArmPathSettings
-from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.slowed_law import SlowedLaw
 from rig.hal import Device
 from rig.hal.columns import Column
@@ -37,7 +37,6 @@ _TWIST = (
     *((f"w{axis}", "rad/s") for axis in "xyz"),
 )
 """The hand's velocity and angular velocity, base axes: names and units."""
-_NOTHING_PLANNED = (0.0,) * 30
 
 
 class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
@@ -164,10 +163,8 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         motion, arm, q = self.motion, self._arm, state.positions
         if motion is not None:
             planned = motion.sample(self._followed)
-        elif reference.twist is not None:
-            planned = commanded_row(arm, command, reference.twist, self._period)
-        else:
-            planned = _NOTHING_PLANNED
+        else:  # twists that are heard: rest on the way to where they begin
+            planned = commanded_row(arm, command, reference.twist or AT_REST, self._period)
         if reference.following:
             self._followed += 1
         hand = forward(arm, q).position

@@ -14,6 +14,8 @@ _WITHIN = 1.001
 """Share of a limit up to which a motion keeps to it."""
 _SWINGS = 1e-3
 """rad: a joint that turns by less has passed nothing."""
+_OFF = 1e-5
+"""m: what promises its path keeps to it by far less."""
 _THROUGH = ("look-ahead and esc go", "look-ahead goes")
 """Who gets to the end: as told of any law, and of esc."""
 
@@ -27,9 +29,13 @@ def remarks_of_plan(plan: ArmPlan, arm: Dimensions, geometry: ArmGeometry) -> tu
         Note("begins", f"on the branch {branch_words(first)}, with the hand at {_place(plan)}"),
         *_steps_of_speed(plan, geometry.acceleration_limits),
         *_too_fast(plan, geometry.rate_limits),
+        *_off_path(plan),
         *(Note("chosen", note) for note in plan.notes),
         *(
-            Note(f"{place.kind}, {plan.t[place.at]:.3f} s, {gone[place.at]:.4f} m", place.words)
+            Note(
+                f"{place.kind}, {plan.t[place.at]:.3f} s, {gone[place.at]:.4f} m",
+                place.words + _beside(plan, place.at),
+            )
             for place in singular_places(plan.indices, plan.positions)
             if place.through or max(place.swings) > _SWINGS
         ),
@@ -57,6 +63,26 @@ def _too_fast(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
             f"to its path",
         )
     ]
+
+
+def _off_path(plan: ArmPlan) -> list[Note]:
+    """Return where a law that promises no path leaves it farthest, of what is known beforehand."""
+    if plan.path_deviation <= _OFF:
+        return []
+    k = int(np.argmax(plan.deviation))
+    return [
+        Note(
+            "leaves its path",
+            f"by {1e3 * plan.path_deviation:.3g} mm after {plan.t[k]:.3f} s: {plan.law} does so "
+            f"near singularities, and where the arm cannot reach; look-ahead stays on a path, or "
+            f"says where it cannot",
+        )
+    ]
+
+
+def _beside(plan: ArmPlan, k: int) -> str:
+    off = float(plan.deviation[k])
+    return f"; {1e3 * off:.3g} mm beside the path" if off > _OFF else ""
 
 
 def _ends_early(plan: ArmPlan, way: float) -> list[Note]:

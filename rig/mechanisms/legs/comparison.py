@@ -6,17 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rig.experiment.metrics import Evaluation, facts_from_json
 from rig.mechanisms.legs.figures.base import COLORS, mark_phases
-from rig.report.comparison import Comparison, metric_values
+from rig.report.comparison import Comparison, ComparisonRow, metric_values, rows_of_metrics
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
 from rig.report.style import GREY, PAGE, new_figure, place_legend
+from rig.run_facts import EVALUATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 
 _COSTS = (
@@ -32,6 +35,34 @@ _COSTS = (
 )
 """What is planned, and then what came of it; a figure has room for the first few."""
 _PANELS = 5
+_PLANNED = ("peak_knee_rate", "rate_jump", "path_deviation", "leg_mismatch", "tilt", "min_knee")
+"""What laws differ in before a robot walks; told whatever an experiment measures."""
+_SAME = 1e-6
+"""Numbers that differ by less, of their size or of SI, say nothing of a law."""
+
+
+def tabulate_walks(runs: Sequence[RunData], labels: Sequence[str]) -> list[ComparisonRow]:
+    """Return what laws differ in by their plans, and what the experiment measures."""
+    del labels
+    measured = rows_of_metrics(runs)
+    names = {row["name"].removesuffix(".min") for row in measured}
+    planned: list[ComparisonRow] = []
+    facts = [facts_from_json(run.folder.read_json(EVALUATION, Evaluation)) for run in runs]
+    for name in _PLANNED:
+        values = [known[name].value if name in known else math.nan for known in facts]
+        if name in names or not _differ(values):
+            continue
+        unit = next(known[name].unit for known in facts if name in known)
+        told = [value if math.isfinite(value) else None for value in values]
+        planned.append(
+            {"name": name, "unit": unit, "bound": None, "bound_kind": None, "values": [*told]}
+        )
+    return [*planned, *measured]
+
+
+def _differ(values: Sequence[float]) -> bool:
+    known = [value for value in values if math.isfinite(value)]
+    return bool(known) and max(known) - min(known) > _SAME * max(1.0, *map(abs, known))
 
 
 def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
@@ -60,13 +91,22 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     known = [
         (cost, values)
         for metric, cost in _COSTS
-        if np.isfinite(values := metric_values(runs, metric)).any()
+        if np.isfinite(values := _values(runs, metric)).any()
     ][:_PANELS]
     if known:
         panels = costs.subplots(len(known), 1, squeeze=False)[:, 0]
         for axes, (cost, values) in zip(panels, known, strict=True):
             draw_cost(axes, cost, values, labels)
     return figure
+
+
+def _values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
+    """Return a metric of each run, or what was known of it beforehand, shape (n,)."""
+    values = metric_values(runs, name)
+    for k in np.flatnonzero(np.isnan(values)).tolist():
+        known = facts_from_json(runs[k].folder.read_json(EVALUATION, Evaluation))
+        values[k] = known[name].value if name in known else np.nan
+    return values
 
 
 def _draw_rates(axes: "Axes", run: RunData) -> None:
@@ -81,5 +121,7 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
 
 
 LEGS_COMPARISON = Comparison(
-    lambda run: run.has("command.velocity_right_knee", "command.velocity_left_knee"), draw_walks
+    lambda run: run.has("command.velocity_right_knee", "command.velocity_left_knee"),
+    draw_walks,
+    tabulate_walks,
 )

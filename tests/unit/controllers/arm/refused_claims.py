@@ -117,18 +117,19 @@ def _duration(path):
 
 def _range(refused, joint, value, low, high):
     j, path = int(joint) - 1, refused.path
-    if low + 1e-4 < value < high - 1e-4:  # it is told in four digits
+    angle, lower, upper = map(math.radians, (value, low, high))
+    if lower + 2e-4 < angle < upper - 2e-4:  # it is told in hundredths of a degree
         return "it is inside"
     begins = "after 0.000 s" in refused.message and not isinstance(path, Circle | Line)
-    if begins and abs(path.start[j] - value) > 1e-4:
+    if begins and abs(path.start[j] - angle) > 2e-4:
         return "it does not start there"
     if value < low:
-        wide = refused.limited("position_min", j, value - 1e-3)
+        wide = refused.limited("position_min", j, angle - 1e-3)
     else:
-        wide = refused.limited("position_max", j, value + 1e-3)
+        wide = refused.limited("position_max", j, angle + 1e-3)
     return (
         "a wider range does not help"
-        if refused.says(f"q{j + 1} would be at {value:.4f}", wide)
+        if refused.says(f"q{j + 1} would be at {value:.2f}", wide)
         else ""
     )
 
@@ -244,7 +245,8 @@ def _deep_region(refused, distance, depth):
 _KINDS = (
     (rf"q(\d) would need {_NUMBER} rad/s, beyond its limit of {_NUMBER} rad/s", _rate),
     (rf"the hand would be {_NUMBER} mm off its path", _fits),
-    (rf"q(\d) would be at {_NUMBER} rad, outside its range of {_NUMBER} to {_NUMBER} rad", _range),
+    (rf"q(\d) would be at {_NUMBER} deg, outside its range of {_NUMBER} to {_NUMBER} deg", _range),
+    (r"q(\d) would be at more than 20 turns, as at a singularity", lambda refused, joint: ""),
     ("there is no such region", _no_region),
     ("the arm starts at the wrist's singularity", _wrist_at_start),
     (

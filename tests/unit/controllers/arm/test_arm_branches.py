@@ -106,12 +106,12 @@ def test_it_begins_on_the_nearest_branch_that_keeps_the_ranges_or_there_is_none(
         said = str(refused.value)
         assert said.endswith("None of 7 other branches keeps all ranges.")
         t, joint, angle = re.match(
-            r"after (\S+) s(?:, between .*)? q(\d) would be at (\S+) rad, outside", said
+            r"after (\S+) s(?:, between .*)? q(\d) would be at (\S+) deg, outside", said
         ).groups()
         # The one that is nearest leaves its range there.
         free = plan(PATH, FREE)
         row = free.positions[round(float(t) / PERIOD), int(joint) - 1]
-        assert float(angle) == pytest.approx(row, abs=1e-4)
+        assert math.radians(float(angle)) == pytest.approx(row, abs=1e-4)
         assert not low[int(joint) - 1] <= row <= high[int(joint) - 1]
         return
     made = plan(PATH, geometry)

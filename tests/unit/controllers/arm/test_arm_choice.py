@@ -83,7 +83,7 @@ def test_joints_are_watched_for_the_first_that_no_whole_turns_keep_in_its_range(
     watch = RangeWatch(ArmGeometry(position_min=(-3.0,) * 6, position_max=(3.0,) * 6))
     watch((7.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # a turn less is within
     watch((4.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    with pytest.raises(OutOfRange, match=r"q1 would go from 3\.2000 to 7\.0000 rad") as refused:
+    with pytest.raises(OutOfRange, match=r"q1 would go from 183\.35 to 401\.07 deg") as refused:
         watch((3.2, 0.0, 0.0, 0.0, 0.0, 0.0))
     assert refused.value.turns is None
 
