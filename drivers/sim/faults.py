@@ -1,5 +1,6 @@
 """Faults on a schedule: what breaks, where and when."""
 
+import difflib
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
@@ -112,7 +113,11 @@ def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
         common = [fault for fault in known if "." not in fault]
         own = next((fault for fault in known if "." in fault), None)
         alone = f", or for one part alone as in {own!r}" if own else ""
+        meant = [fault for fault in known if fault.endswith(f".{entry.fault}")]
+        meant = meant or difflib.get_close_matches(entry.fault, known, n=3)
+        hint = f"; did you mean {' or '.join(meant[:4])}?" if meant else ""
         raise ValueError(
-            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(common)}{alone}; "
+            f"{entry.device}: no fault {entry.fault!r}{hint or ';'} known are "
+            f"{', '.join(common)}{alone}; "
             "`rig faults list RIG` says what its own names are called here"
         )

@@ -183,6 +183,23 @@ def board_renderer(
     return BoardRenderer(camera.scene, camera.optics, columns, rows, square, of.seed).render
 
 
+def check_plant_faults(profile: Profile) -> None:
+    """Refuse faults that are scheduled for the plant and that it does not know.
+
+    Raises
+    ------
+    ConfigurationError
+        With what it knows.
+    """
+    of_plant = [fault for fault in profile.simulation.faults if fault.device == "plant"]
+    if profile.plant is None or not of_plant:
+        return
+    from drivers.sim.faults import FaultSchedule
+
+    with checking_faults():
+        FaultSchedule(of_plant, {"plant": make_plant(profile)})
+
+
 def build_sim(profile: Profile, plant: Any = None) -> Rig:
     """Build a rig whose devices stand straight on the plant, the profile's own or a given one."""
     from drivers.sim.clock import SimClock

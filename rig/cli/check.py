@@ -51,6 +51,7 @@ def check(
     Nothing is opened, unless --on says so. Every error of a file is shown at once, with its line.
     """
     from rig.assembly import check_channels
+    from rig.assembly.simulated import check_plant_faults
     from rig.cli.check_warnings import warnings_of
     from rig.cli.description import (
         describe_experiment,
@@ -76,6 +77,7 @@ def check(
 
         return check_buses(profile, _on_bus(on), as_json=as_json)
     check_channels(profile)
+    check_plant_faults(profile)
     described = describe_profile(profile)
     if plan is None:
         content: dict[str, object] = {"profile": described}

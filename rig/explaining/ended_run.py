@@ -10,8 +10,9 @@ from typing import NamedTuple, TypedDict, cast
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
+from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
-from rig.run_facts import RunStatus, read_events, read_metrics
+from rig.run_facts import EVALUATION, RunStatus, read_events, read_metrics
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
@@ -20,6 +21,10 @@ _LOOKED_BACK = (_DIAGNOSIS, _FELL, "camera")
 """Kinds of events that say what a log told once its run had ended."""
 _INJECTED = "injected"
 """Kind of the events that say what a simulation was to break."""
+_WARNED = (
+    "too fast", "is too fast", "leaves its path", "starts or stops", "ends early", "jumps", "has little room",
+)  # fmt: skip
+"""Kinds of remarks on a motion that may be why its run did not go well."""
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 10.0
@@ -36,6 +41,18 @@ class _Diagnosed(TypedDict, total=False):
     """The data of a diagnosis' event."""
 
     causes: list[_Cause]
+
+
+class _Said(TypedDict):
+    kind: str
+    message: str
+
+
+class _Foreseen(TypedDict, total=False):
+    """What `evaluation.json` holds of what was known of a motion beforehand."""
+
+    facts: dict[str, object]
+    remarks: list[_Said]
 
 
 class Remark(NamedTuple):
@@ -73,12 +90,12 @@ def explain_run(folder: Path) -> list[Remark]:
 
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
-    said += [*_injected(folder), *_looked_back(folder)]
+    said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     if status == RunStatus.FAILED:
         fallen = topic_of(next(_messages(folder, _FELL), ""))
-        after = _after_missing(rig) if fallen is None else _remarks(fallen, folder, names)
+        after = _after_missing(rig, folder) if fallen is None else _remarks(fallen, folder, names)
         return [*said, *_missed(folder), *after]
     if status == RunStatus.OK:
         return [*said, Remark("means", "It went well; `rig report` draws it again.")]
@@ -127,6 +144,21 @@ def age_since(ended: str | None) -> str:
         return ""
     size, unit = next((size, unit) for size, unit in _UNITS if ago >= size)
     return f", {ago / size:.0f} {unit} ago"
+
+
+def _evaluation(folder: Path) -> _Foreseen:
+    """Return what was known of a run beforehand; nothing of one that never began."""
+    try:
+        return RunFolder.open(folder).read_json(EVALUATION, _Foreseen)
+    except (OSError, ConfigurationError):
+        return {}
+
+
+def _foreseen(folder: Path) -> Iterator[Remark]:
+    """Yield what `rig check` warns of, of the motion that was run."""
+    for note in _evaluation(folder).get("remarks", ()):
+        if note["kind"] in _WARNED:
+            yield Remark("foreseen", f"{note['kind']}: {note['message']}")
 
 
 def _injected(folder: Path) -> Iterator[Remark]:
@@ -179,8 +211,16 @@ def _missed(folder: Path) -> Iterator[Remark]:
         yield Remark("missed", f"{said}; `rig explain {measure}` says what it is")
 
 
-def _after_missing(rig: str | None) -> Iterator[Remark]:
-    if rig is not None:
+def _after_missing(rig: str | None, folder: Path) -> Iterator[Remark]:
+    known = _evaluation(folder).get("facts", {})
+    missed = [measure for measure, _ in missed_bounds(folder)]
+    if missed and all(measure in known for measure in missed):
+        yield Remark(
+            "next",
+            "What was missed is known before anything moves, and no rig changes it: another law, "
+            "speed or bound does. `rig check` of the experiment shows what is foreseen.",
+        )
+    elif rig is not None:
         yield Remark(
             "next",
             f"Is the rig as its profile says? `rig status {rig}` tells what of it is calibrated "
