@@ -22,8 +22,15 @@ _LOOKED_BACK = (_DIAGNOSIS, _FELL, "camera")
 _INJECTED = "injected"
 """Kind of the events that say what a simulation was to break."""
 _WARNED = (
-    "too fast", "is too fast", "leaves its path", "starts or stops", "ends early", "jumps", "has little room",
-)  # fmt: skip
+    "too fast",
+    "is too fast",
+    "leaves its path",
+    "starts or stops",
+    "ends early",
+    "stands",
+    "jumps",
+    "has little room",
+)
 """Kinds of remarks on a motion that may be why its run did not go well."""
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
