@@ -39,7 +39,10 @@ PARTS = MechanismParts(
         )
     },
     facts=(f"{_HERE}.fact_kinds:PATH_FACTS", f"{_HERE}.fact_kinds:TWIST_FACTS"),
-    measures=(f"{_HERE}.measures:ARM_MEASURES",),
+    measures=(
+        f"{_HERE}.measures:ARM_MEASURES",
+        f"{_HERE}.heard_measures:HEARD_MEASURES",
+    ),
     figures=(f"{_HERE}.figures:ARM_FIGURES",),
     comparisons=(
         f"{_HERE}.twist_comparison:TWIST_COMPARISON",

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rig.experiment.metrics import Evaluation, facts_from_json
-from rig.hal.motion import Fact
 from rig.report.comparison import Comparison, ComparisonRow
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
 
 _REACH = 1.0
 """m: a turn of 1 rad counts as much as so long a way."""
-_MARK = "off_direction"
-"""A fact that only twists have."""
+_MARK = "standing_share"
+"""A number that only twists have."""
 
 
 class _Entry(NamedTuple):
@@ -52,9 +51,9 @@ _ENTRIES = (
 
 
 def tabulate_twists(runs: Sequence[RunData], labels: Sequence[str]) -> list[ComparisonRow]:
-    """Return the table: facts of the commanded motion."""
+    """Return the table: what is known of the commanded motion."""
     del labels
-    facts = [_facts(run) for run in runs]
+    facts = [_known(run) for run in runs]
     return [
         {
             "name": entry.fact,
@@ -64,6 +63,7 @@ def tabulate_twists(runs: Sequence[RunData], labels: Sequence[str]) -> list[Comp
             "values": [_value(known, entry.fact) for known in facts],
         }
         for entry in _ENTRIES
+        if any(entry.fact in known for known in facts)
     ]
 
 
@@ -83,11 +83,15 @@ def draw_twists(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     panels[0].legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.16), ncols=3, frameon=False, borderaxespad=0.0
     )
-    facts = [_facts(run) for run in runs]
-    drawn = [entry for entry in _ENTRIES if entry.cost is not None]
+    facts = [_known(run) for run in runs]
+    drawn = [
+        entry
+        for entry in _ENTRIES
+        if entry.cost is not None and any(entry.fact in known for known in facts)
+    ]
     for axes, entry in zip(costs.subplots(len(drawn), 1), drawn, strict=True):
         assert entry.cost is not None
-        values = [known[entry.fact].value for known in facts]
+        values = [known.get(entry.fact, np.nan) for known in facts]
         draw_cost(axes, entry.cost, np.array(values, float), labels, [""] * len(runs))
     return figure
 
@@ -113,17 +117,20 @@ def _twist(run: RunData, of: str) -> "NDArray[np.float64]":
     return np.asarray(np.column_stack(parts) * scale)
 
 
-def _facts(run: RunData) -> dict[str, Fact]:
-    return facts_from_json(run.folder.read_json(EVALUATION, Evaluation))
+def _known(run: RunData) -> dict[str, float]:
+    """Return what is known of twists beforehand, or what was measured of those that were heard."""
+    facts = facts_from_json(run.folder.read_json(EVALUATION, Evaluation))
+    measured = {m["name"]: m["value"] for m in run.metrics if m["value"] is not None}
+    return {**measured, **{name: fact.value for name, fact in facts.items()}}
 
 
-def _value(facts: dict[str, Fact], name: str) -> float | None:
-    value = facts[name].value
+def _value(known: dict[str, float], name: str) -> float | None:
+    value = known.get(name, np.nan)
     return value if np.isfinite(value) else None
 
 
 def _follows_twists(run: RunData) -> bool:
-    return run.has("plan.asked_vx", "plan.twist_vx") and _MARK in _facts(run)
+    return run.has("plan.asked_vx", "plan.twist_vx") and _MARK in _known(run)
 
 
 TWIST_COMPARISON = Comparison(_follows_twists, draw_twists, tabulate_twists)

@@ -9,7 +9,7 @@ from rig.hal.motion import Fact, facts_of
 from rig.mechanisms.arm.fact_kinds import INDICES, TWIST_FACTS
 from rig.mechanisms.arm.twist_lines import off_direction
 
-_STANDS = 1e-3
+STANDS = 1e-3
 """Share of what is asked for below which the hand stands."""
 
 
@@ -32,7 +32,7 @@ def facts_of_twists(plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> d
         "off_direction": away,
         "turned_off": turned,
         "lag": float((1.0 - share).sum()) * plan.period,
-        "standing_share": float((share < _STANDS).sum()) / max(int(told.sum()), 1),
+        "standing_share": float((np.abs(share) < STANDS).sum()) / max(int(told.sum()), 1),
         "distance_asked": whole,
         "distance": way,
         "distance_share": along / whole if whole else 1.0,

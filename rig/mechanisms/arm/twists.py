@@ -14,6 +14,7 @@ from rig.hal import Device, SafetyError
 from rig.hal.motion import Fact, Motion, Note, Segment
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.twist_facts import facts_of_twists
+from rig.mechanisms.arm.twist_remarks import remarks_on_standing
 
 _NUMBERS = 6
 _AWAY = 0.1
@@ -27,6 +28,7 @@ class KnownTwists(PlannedArmMotion):
 
     def __init__(self, plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> None:
         super().__init__(plan, geometry, asked)
+        self.remarks = (*self.remarks, *remarks_on_standing(plan, geometry))
         end, *twist = (asked.known() or [(0.0,) * 7])[-1]
         if any(twist):
             note = f"at {end:g} s: the last row says when, and its own twist is not followed"

@@ -10,7 +10,7 @@ from drawn_cases import faults_of, hand_of
 from controllers.arm.paths import Circle, DwellLine, Line
 from controllers.motion import InfeasibleMotion
 
-_NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
+_NUMBER = r"(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)"
 _LONGEST = 600.0
 """s: a motion that takes longer, sixty thousand periods, is not tried by who refuses …"""
 _LONG = 30.0
