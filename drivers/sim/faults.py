@@ -115,9 +115,9 @@ def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
         alone = f", or for one part alone as in {own!r}" if own else ""
         meant = [fault for fault in known if fault.endswith(f".{entry.fault}")]
         meant = meant or difflib.get_close_matches(entry.fault, known, n=3)
-        hint = f"; did you mean {' or '.join(meant[:4])}?" if meant else ""
+        hint = f" (did you mean {' or '.join(meant[:4])}?)" if meant else ""
         raise ValueError(
-            f"{entry.device}: no fault {entry.fault!r}{hint or ';'} known are "
+            f"{entry.device}: no fault {entry.fault!r}{hint}; known are "
             f"{', '.join(common)}{alone}; "
             "`rig faults list RIG` says what its own names are called here"
         )

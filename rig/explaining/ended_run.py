@@ -56,7 +56,7 @@ class _Said(TypedDict):
 
 
 class _Foreseen(TypedDict, total=False):
-    """What `evaluation.json` holds of what was known of a motion beforehand."""
+    """The part of `evaluation.json` that was known of a motion beforehand."""
 
     facts: dict[str, object]
     remarks: list[_Said]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rig.experiment.metrics import Evaluation, facts_from_json
+from rig.mechanisms.legs.fact_kinds import LEGS_FACTS
 from rig.mechanisms.legs.figures.base import COLORS, mark_phases
 from rig.report.comparison import Comparison, ComparisonRow, metric_values, rows_of_metrics
 from rig.report.cost_bars import Cost, draw_cost
@@ -47,12 +48,11 @@ def tabulate_walks(runs: Sequence[RunData], labels: Sequence[str]) -> list[Compa
     measured = rows_of_metrics(runs)
     names = {row["name"].removesuffix(".min") for row in measured}
     planned: list[ComparisonRow] = []
-    facts = [facts_from_json(run.folder.read_json(EVALUATION, Evaluation)) for run in runs]
     for name in _PLANNED:
-        values = [known[name].value if name in known else math.nan for known in facts]
+        values = _planned_values(runs, name).tolist()
         if name in names or not _differ(values):
             continue
-        unit = next(known[name].unit for known in facts if name in known)
+        unit = LEGS_FACTS[name].unit
         told = [value if math.isfinite(value) else None for value in values]
         planned.append(
             {"name": name, "unit": unit, "bound": None, "bound_kind": None, "values": [*told]}
@@ -88,11 +88,12 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     panels[-1].set_xlabel(TIME_LABEL)
     walks.supylabel("knee rate (rad/s), each law on its own scale", fontsize=8.5)
     place_legend(panels[0], 2)
-    known = [
-        (cost, values)
-        for metric, cost in _COSTS
-        if np.isfinite(values := _values(runs, metric)).any()
-    ][:_PANELS]
+    measured = [(name, metric_values(runs, name)) for name, _ in _COSTS]
+    asked = {name: values for name, values in measured if np.isfinite(values).any()}
+    planned = [(name, _planned_values(runs, name)) for name in _PLANNED if name not in asked]
+    differ = [(name, values) for name, values in planned if _differ(values.tolist())]
+    asked |= dict(differ[: max(_PANELS - len(asked), 0)])
+    known = [(cost, asked[name]) for name, cost in _COSTS if name in asked][:_PANELS]
     if known:
         panels = costs.subplots(len(known), 1, squeeze=False)[:, 0]
         for axes, (cost, values) in zip(panels, known, strict=True):
@@ -100,13 +101,10 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     return figure
 
 
-def _values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
-    """Return a metric of each run, or what was known of it beforehand, shape (n,)."""
-    values = metric_values(runs, name)
-    for k in np.flatnonzero(np.isnan(values)).tolist():
-        known = facts_from_json(runs[k].folder.read_json(EVALUATION, Evaluation))
-        values[k] = known[name].value if name in known else np.nan
-    return values
+def _planned_values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
+    """Return what was known of each run beforehand, shape (n,)."""
+    facts = [facts_from_json(run.folder.read_json(EVALUATION, Evaluation)) for run in runs]
+    return np.array([known[name].value if name in known else np.nan for known in facts])
 
 
 def _draw_rates(axes: "Axes", run: RunData) -> None:

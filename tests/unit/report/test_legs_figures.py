@@ -130,3 +130,17 @@ def test_nothing_is_a_value_too(run_of):
     run = run_of("legs-walk", *BRISK, METRICS)
     assert metric_values([run], "fell").tolist() == [0.0]
     assert np.isnan(metric_values([run], "slip_max")).all()
+
+
+def test_laws_are_told_apart_by_their_plans_whatever_is_measured(run_of):
+    bare = "metrics={fell: {segments: all}}"
+    runs = [run_of("legs-walk", *BRISK, bare, f"law={law}") for law in ("sc-trapezoid", "min-jerk")]
+    assert LEGS_COMPARISON.tabulate is not None
+    rows = {row["name"]: row["values"] for row in LEGS_COMPARISON.tabulate(runs, ["a", "b"])}
+    assert list(rows)[-1] == "fell"
+    peaks = [np.nan_to_num(value) for value in rows["peak_knee_rate"]]
+    assert peaks[0] < peaks[1]
+    with paper_style():
+        figure = LEGS_COMPARISON.draw(runs, ["a", "b"])
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert "peak knee rate (rad/s)" in titles

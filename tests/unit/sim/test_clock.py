@@ -81,7 +81,10 @@ def test_a_fault_at_the_start_is_there_from_the_start():
     ("entry", "message"),
     [
         (Line(0.0, "dairy", "break"), "no device 'dairy' to fail; there are diary"),
-        (Line(0.0, "diary", "brake"), "diary: no fault 'brake'; known are break, repair"),
+        (
+            Line(0.0, "diary", "brake"),
+            "diary: no fault 'brake' \\(did you mean break\\?\\); known are break, repair",
+        ),
     ],
 )
 def test_an_unknown_fault_is_refused_before_anything_runs(entry, message):
