@@ -42,7 +42,10 @@ def read_lines(path: Path) -> list[str]:
     except OSError as error:
         raise InfeasibleMotion(f"{path}: the file cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:
-        raise InfeasibleMotion(f"{path}: {error}.") from error
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InfeasibleMotion(
+            f"{path}, line {line}: byte 0x{content[error.start]:02X} is not UTF-8 text."
+        ) from error
 
 
 def read_table_lines(path: Path) -> list[str]:

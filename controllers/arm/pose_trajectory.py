@@ -187,6 +187,15 @@ def _apart(places: Array) -> Array:
 
 def _turning(u: Array, poses: Poses, axes: Array, tool: Array) -> ToolTurning:
     """Return how the tool turns; `axes` are the frame's in the base, `tool` stands at `near`."""
+    try:
+        return _turning_of(u, poses, axes, tool)
+    except InfeasibleMotion as error:
+        if not poses.source:
+            raise
+        raise InfeasibleMotion(f"{poses.source}: {error}") from error
+
+
+def _turning_of(u: Array, poses: Poses, axes: Array, tool: Array) -> ToolTurning:
     if poses.quaternions is not None:
         return Splined(u, poses.quaternions, axes)
     if poses.directions is not None:
