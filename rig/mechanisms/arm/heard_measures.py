@@ -70,6 +70,8 @@ def _speeds(window: Window) -> "Array":
 def _closest(name: str) -> "Callable[[Windows], float]":
     def compute(windows: Windows) -> float:
         found = [window.column(f"plan.index_{name}") for window in windows]
+        if any(np.any(values[:-1] * values[1:] < 0.0) for values in found):
+            return 0.0
         return float(min(np.abs(values).min() for values in found))
 
     return compute

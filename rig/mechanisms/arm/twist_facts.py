@@ -47,5 +47,6 @@ def facts_of_twists(plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> d
     for name, rate in zip(AXIS_NAMES, rates, strict=True):
         facts[f"peak_rate_{name}"] = float(rate)
     for (name, _), values in zip(INDICES, plan.indices.T, strict=True):
-        facts[f"closest_{name}"] = float(np.abs(values).min())
+        crosses = bool(np.any(values[:-1] * values[1:] < 0.0))
+        facts[f"closest_{name}"] = 0.0 if crosses else float(np.abs(values).min())
     return facts_of(TWIST_FACTS, facts)

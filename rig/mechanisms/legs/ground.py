@@ -69,28 +69,31 @@ def prints_off_ground(geometry: LegGeometry, reference: object, plant: object) -
     for number, step in enumerate(walk.footsteps(geometry), 1):
         ground = max(_height(terrain, step.x), floor.height(step.x, step.y))
         if abs(step.height - ground) > _OFF:
-            return (
+            words = (
                 f"step {number} is planned to land {_words(step.height)}, and the simulated ground "
-                f"there is {_words(ground)} (plant.terrain)",
+                f"there is {_words(ground)} (plant.terrain)"
             )
+            return (walk.with_line(words),)
         over = _edge_under(geometry, step, terrain)
         if over is not None:
             x, higher = over
-            return (
+            words = (
                 f"step {number} is planned to land on an edge: at x {x * 1e3:.1f} mm, still under "
-                f"the sole, the simulated ground is {higher * 1e3:.3g} mm higher (plant.terrain)",
+                f"the sole, the simulated ground is {higher * 1e3:.3g} mm higher (plant.terrain)"
             )
+            return (walk.with_line(words),)
     return _swings_into(geometry, walk, terrain)
 
 
 def _swings_into(
     geometry: LegGeometry, walk: FootstepsSettings, terrain: Sequence[_Block]
 ) -> tuple[str, ...]:
-    """Say which swing first brings its sole into the simulated ground."""
+    """Say which swings bring their soles into the simulated ground."""
     try:
         phases = walk.phases(geometry)
     except InfeasibleMotion:  # which is told where it is planned
         return ()
+    told = []
     for phase in phases:
         if all(phase.standing):
             continue
@@ -100,12 +103,12 @@ def _swings_into(
             depth = _depth(geometry, phase.foot_at(leg, xi), phase.attitude_at(leg, xi), terrain)
             deepest, at = max((deepest, at), (depth, xi))
         if deepest > _INTO:
-            return (
+            told.append(
                 f"{phase.name}, {100.0 * at:.0f} % of the way, would bring the sole "
                 f"{deepest * 1e3:.3g} mm into the simulated ground (plant.terrain): a lift of its "
-                f"own, or a print farther on, clears the edge",
+                f"own, or a print farther on, clears the edge"
             )
-    return ()
+    return tuple(told)
 
 
 def _depth(geometry: LegGeometry, at: Vector, lies: Attitude, terrain: Sequence[_Block]) -> float:
