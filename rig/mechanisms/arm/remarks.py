@@ -28,7 +28,7 @@ def remarks_of_plan(plan: ArmPlan, arm: Dimensions, geometry: ArmGeometry) -> tu
     return (
         Note("begins", f"on the branch {branch_words(first)}, with the hand at {_place(plan)}"),
         *_steps_of_speed(plan, geometry.acceleration_limits),
-        *_too_fast(plan, geometry.rate_limits),
+        *_fastest(plan, geometry.rate_limits),
         *_off_path(plan),
         *(Note("chosen", note) for note in plan.notes),
         *(
@@ -49,18 +49,26 @@ def _place(plan: ArmPlan) -> str:
     return f"[{x:.6g} mm, {y:.6g} mm, {z:.6g} mm]"
 
 
-def _too_fast(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
-    """Return which joint a law that promises no rates asks for more than it can do."""
-    shares = plan.peak_rates / np.array(limits)
-    joint = int(np.argmax(shares))
-    if shares[joint] <= _WITHIN:
-        return []
+def _fastest(plan: ArmPlan, limits: tuple[float, ...]) -> list[Note]:
+    """Return which joint a law asks for more than it can do, or for the most of its rate."""
+    shares = np.abs(plan.velocities) / np.array(limits)
+    sample, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    name, peak, limit = AXIS_NAMES[joint], abs(plan.velocities[sample, joint]), limits[joint]
+    if shares[sample, joint] > _WITHIN:
+        return [
+            Note(
+                "is too fast",
+                f"for {name}, which would need {peak:.3g} rad/s of {limit:g} rad/s: {plan.law} "
+                f"promises no rates, and the hand will not keep to its path",
+            )
+        ]
+    c, s3, s5 = plan.indices[sample].tolist()
     return [
         Note(
-            "is too fast",
-            f"for {AXIS_NAMES[joint]}, which would need {plan.peak_rates[joint]:.3g} rad/s of "
-            f"{limits[joint]:g} rad/s: {plan.law} promises no rates, and the hand will not keep "
-            f"to its path",
+            "is fastest",
+            f"in {name}, {100 * shares[sample, joint]:.3g} % of {limit:g} rad/s after "
+            f"{plan.t[sample]:.3f} s; there the wrist is {1e3 * abs(c):.3g} mm from the axis of "
+            f"q1, S3 = {s3:.3g}, S5 = {s5:.3g}",
         )
     ]
 
