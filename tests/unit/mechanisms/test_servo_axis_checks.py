@@ -276,3 +276,16 @@ def test_before_anything_was_sent_only_readings_and_ranges_are_near_a_limit():
 def test_what_a_profile_leaves_out_is_as_its_documentation_says():
     limits = ServoLimits()
     assert (limits.following, limits.reading_age, limits.acceleration) == (0.15, 0.03, 10.0)
+
+
+def test_a_joint_that_is_sent_away_and_stays_is_told_with_its_device():
+    bench = ServoBench(stuck=1 / 128)
+    bench.start()
+    for cycle in range(1, 4):
+        bench.limit(a=cycle / 64)  # as fast as the rate permits
+        bench.place(a=cycle / 64)
+        bench.cycle()
+    with pytest.raises(LimitExceeded, match="way that left joint a was sent and does not go"):
+        for cycle in range(4, 40):
+            bench.limit(a=cycle / 64)
+            bench.cycle()
