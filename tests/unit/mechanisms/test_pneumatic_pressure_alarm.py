@@ -425,3 +425,12 @@ def test_no_monitor_jumps_by_less_than_twice_the_offset_at_rest():
     for cycle in range(50):
         bench.pass_by(1, ch1=10.0 * (cycle % 3))
     bench.pass_by(3, ch1=23.9e3)
+
+
+def test_pressures_after_time_that_went_back_are_held_against_none_before():
+    bench = Bench(deviation=NEVER, slow=NEVER, offset=12e3)
+    for cycle in range(50):
+        bench.pass_by(1, ch1=10.0 * (cycle % 3))
+    bench.now -= 2.0 * STEP
+    for cycle in range(5):
+        bench.pass_by(1, ch1=50e3 + 10.0 * (cycle % 3))

@@ -33,10 +33,6 @@ class JumpedMonitors:
         self._ways: list[float]
         self._jumps: list[float]
         self._stayed: list[int]
-        self.begin()
-
-    def begin(self) -> None:
-        """Forget the past."""
         self._last: tuple[float, ...] = ()
 
     def find(

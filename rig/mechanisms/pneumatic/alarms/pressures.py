@@ -245,7 +245,6 @@ class PressureWatch:
         self._line.clear()
         self._ways.clear()
         self._frozen.begin(self._pressures, now)
-        self._jumped.begin()
 
     def _patience(self, k: int) -> float:
         """Return for how long one may be off, s: less where its setpoint has not moved."""
