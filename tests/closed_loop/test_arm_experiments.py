@@ -96,7 +96,7 @@ REFUSED = [
     (
         "turnback",
         "arm.geometry.position_min=[-3 rad, -3 rad, -0.5 rad, -6 rad, -2.5 rad, -6 rad]",
-        ("after 5.995 s q3 would be at -28.71 deg", "-0.5000 to 2.8000 rad"),
+        ("after 5.995 s q3 would be at -28.71 deg", "-28.65 to 160.43 deg"),
     ),
     (
         "circle",
