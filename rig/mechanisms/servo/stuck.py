@@ -32,8 +32,8 @@ class StandstillWatch:
     def __init__(self, names: Sequence[str], most: float) -> None:
         self._names = tuple(names)
         self._most, self._least = most, _SEEN * most
-        self._sent: list[float]
-        self._stood: list[float]
+        self._sent: list[float] = []
+        self._stood: list[float] = []
 
     def begin(self, positions: Vector) -> None:
         """Take measured positions for those to which the joints were sent, rad."""
@@ -56,6 +56,8 @@ class StandstillWatch:
         LimitExceeded
             A joint does not go; it is named.
         """
+        if not self._sent:
+            self.begin(measured)
         bases, stood = self._sent, self._stood
         for k, (there, here) in enumerate(zip(sent, measured, strict=True)):
             way = there - bases[k]

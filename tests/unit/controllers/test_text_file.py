@@ -27,8 +27,8 @@ def test_what_is_too_long_missing_or_no_text_is_refused(read, tmp_path):
     path = tmp_path / "motion.csv"
     with pytest.raises(InfeasibleMotion, match="there is no such file"):
         read(path)
-    path.write_bytes(b"x (mm)\xff")
-    with pytest.raises(InfeasibleMotion, match="can't decode"):
+    path.write_bytes(b"x (mm)\n0\n\xff")
+    with pytest.raises(InfeasibleMotion, match=r"motion\.csv, line 3: byte 0xFF is not UTF-8 text"):
         read(path)
     with path.open("wb") as stream:
         stream.truncate(MOST + 1)

@@ -120,3 +120,11 @@ def test_a_way_of_a_tenth_tells_nothing():
     with pytest.raises(LimitExceeded) as caught:
         watch.check((0.0,), (0.5625,), (0.0,), 0.0)
     assert caught.value.value == 0.5625
+
+
+def test_nobody_has_to_say_where_it_begins():
+    watch = StandstillWatch(("a",), 0.5)
+    watch.check((1.0,), (1.0,), (0.0,), 0.0)
+    watch.check((1.0,), (1.5,), (0.0,), 0.0)
+    with pytest.raises(LimitExceeded):
+        watch.check((1.0,), (1.5625,), (0.0,), 0.0)

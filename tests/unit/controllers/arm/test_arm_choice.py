@@ -96,7 +96,9 @@ def test_whole_turns_are_told_with_the_reason():
     high[3] = float(free.positions[:, 3].max()) + 0.1 - math.tau
     made = plan(path, ArmGeometry(position_min=tuple(low), position_max=tuple(high)))
     (note,) = made.notes
-    assert note.startswith("whole turns away, q4 by -1: from the nearest beginning (near, begin), after ")
+    assert note.startswith(
+        "whole turns away, q4 by -1: from the nearest beginning (near, begin), after "
+    )
 
 
 def places(path):
