@@ -193,7 +193,7 @@ ELSEWHERE = {
     "view.geometry_of()": "the plant crank: crank_rig.crank.plant.CrankPlant cannot be made",
     "view.model_of()": "crank_rig.crank.laws, line",
     "view.plan()": "the motion that the mechanism crank has planned is no",
-    "view.write()": "from where it was sent is",
+    "view.write()": "was sent and does not go is",
     "plant.channel_names": "the plant has no channel left, right",
     "plant.joint_position()": "from where it was sent is",
     "plant.joint_velocity()": "drives joint left: it still moves",

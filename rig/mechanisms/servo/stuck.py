@@ -33,7 +33,7 @@ class StandstillWatch:
         self._names = tuple(names)
         self._most, self._least = most, _SEEN * most
         self._sent: list[float] = []
-        self._stood: list[float] = []
+        self._stood: list[float]
 
     def begin(self, positions: Vector) -> None:
         """Take measured positions for those to which the joints were sent, rad."""
