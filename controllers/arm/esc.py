@@ -289,9 +289,13 @@ class Esc(ArmLaw[EscSettings]):
             return self.settings.elbow_region
         turning = trajectory.turn_rate if self.settings.account_turning else 0.0
         sin_qs = region_for_twist(self.geometry, trajectory.speed, turning)
-        if self.settings.limit_acceleration:
-            sin_qs = max(sin_qs, region_for_acceleration(self.geometry, trajectory.speed))
-        return sin_qs
+        return max(sin_qs, self._slow_region(trajectory))
+
+    def _slow_region(self, trajectory: StraightTrajectory) -> float:
+        """Return what of it the accelerations ask for, however fast joints may be."""
+        if not self.settings.limit_acceleration:
+            return 0.0
+        return region_for_acceleration(self.geometry, trajectory.speed)
 
     def follower(self, *, through: bool) -> TwistFollower:
         """Return what keeps the hand on the directions that it is asked for."""
@@ -335,7 +339,8 @@ class Esc(ArmLaw[EscSettings]):
         if not trajectory.turns_back:
             return self._one_way(trajectory, end)
         sin_qs = self.region(trajectory)
-        check_turn_back(self.geometry, self.arm, trajectory, self.region)
+        slowest = self._slow_region(trajectory)
+        check_turn_back(self.geometry, self.arm, trajectory, self.region, slowest)
         side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0
         slow = within_limits(self.geometry)
         return turn_back(self.arm, trajectory, sin_qs, side, slow, self.period, end)

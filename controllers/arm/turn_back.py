@@ -42,6 +42,7 @@ def check_turn_back(
     arm: Dimensions,
     trajectory: StraightTrajectory,
     region: Callable[[StraightTrajectory], float],
+    whatever_rate: float = 0.0,
 ) -> None:
     """Raise if a line cannot be turned back on within a region.
 
@@ -53,6 +54,8 @@ def check_turn_back(
         The line.
     region : callable
         Takes a line and returns the half width that it needs, sin q_s; not less at more speed.
+    whatever_rate : float
+        What it needs of that however fast q3 may be.
 
     Raises
     ------
@@ -86,11 +89,15 @@ def check_turn_back(
     if sin_qs > 1.0:
         limit = geometry.rate_limits[2]
         least = max(limit * sin_qs, least_rate(geometry, trajectory.speed)) / widest
+        slower = ". The hand would have to be"
+        helps = ""
+        if whatever_rate < widest:
+            helps = f". q3 would need at least {math.ceil(1e4 * least) / 1e4:.4f} rad/s"
+            slower = ", or the hand be"
         raise InfeasibleMotion(
             f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
-            f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
-            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s"
-            f"{_no_faster(trajectory, region, widest, ', or the hand be')}."
+            f"{sin_qs:.4f}, more than 1: there is no such region{helps}"
+            f"{_no_faster(trajectory, region, widest, slower)}."
         )
     if sin_qs >= widest and math.cos(elbow) > 0.0:
         raise InfeasibleMotion(

@@ -138,10 +138,14 @@ def _no_region(refused, *_):
     """A region is of no use either that the arm would start in."""
     words = ("there is no such region", "starts inside the region")
     least = re.search(rf"at least {_NUMBER} rad/s", refused.message)
-    for share, refuses in ((0.999, True), (1.001, False)):
-        arm = refused.limited("rate_limits", 2, share * float(least[1]))
-        if any(refused.says(word, arm) for word in words) is not refuses:
-            return f"at {share} of that rate of q3"
+    if least is None:  # no rate of q3 would do
+        if not any(refused.says(word, refused.limited("rate_limits", 2, 1e3)) for word in words):
+            return "q3 needs but be fast"
+    else:
+        for share, refuses in ((0.999, True), (1.001, False)):
+            arm = refused.limited("rate_limits", 2, share * float(least[1]))
+            if any(refused.says(word, arm) for word in words) is not refuses:
+                return f"at {share} of that rate of q3"
     slower = re.search(rf"no faster than {_NUMBER} m/s", refused.message)
     path = refused.slower(0.999 * float(slower[1]))
     return "not at that speed either" if refused.says(words[0], path=path) else ""
