@@ -106,6 +106,17 @@ def singular_places(indices: Array, q: Array) -> list[SingularPlace]:
     return sorted(found, key=lambda place: place.at)
 
 
+def least_size(index: Array) -> float:
+    """Return how near a motion comes to a singularity: the least size of c (m), S3 or S5.
+
+    Parameters
+    ----------
+    index : ndarray, shape (n,)
+        Of that singularity; where it changes its sign, the motion goes through.
+    """
+    return 0.0 if np.any(index[:-1] * index[1:] < 0.0) else float(np.abs(index).min())
+
+
 def _after(index: Array, k: int) -> int:
     """Return the next sample that is not on the singularity itself."""
     following = np.flatnonzero(index[k + 1 :])

@@ -12,6 +12,7 @@ from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.optimum import least_time
 from controllers.arm.plan import ArmPlan
 from controllers.arm.pose_path import PosePath
+from controllers.arm.singular_places import least_size
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.motion import InfeasibleMotion
 from rig.hal.motion import Fact, facts_of
@@ -49,10 +50,8 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
     for name, rate in zip(AXIS_NAMES, rates, strict=True):
         facts[f"peak_rate_{name}"] = float(rate)
     for (name, _), values in zip(INDICES, plan.indices.T, strict=True):
-        crosses = bool(np.any(values[:-1] * values[1:] < 0.0))
-        closest = 0.0 if crosses else float(np.abs(values).min())
-        facts[f"closest_{name}"] = closest
-        facts[f"crosses_{name}"] = float(crosses)
+        facts[f"closest_{name}"] = least_size(values)
+        facts[f"crosses_{name}"] = float(np.any(values[:-1] * values[1:] < 0.0))
     return facts_of(PATH_FACTS, facts)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from controllers.arm.singular_places import least_size
 from rig.experiment.measure import Measure, Window, Windows
 from rig.mechanisms.arm.fact_kinds import INDICES, TWIST_FACTS
 from rig.mechanisms.arm.twist_facts import STANDS
@@ -69,10 +70,7 @@ def _speeds(window: Window) -> "Array":
 
 def _closest(name: str) -> "Callable[[Windows], float]":
     def compute(windows: Windows) -> float:
-        found = [window.column(f"plan.index_{name}") for window in windows]
-        if any(np.any(values[:-1] * values[1:] < 0.0) for values in found):
-            return 0.0
-        return float(min(np.abs(values).min() for values in found))
+        return min(least_size(window.column(f"plan.index_{name}")) for window in windows)
 
     return compute
 

@@ -5,6 +5,7 @@ import numpy as np
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.plan import ArmPlan
+from controllers.arm.singular_places import least_size
 from rig.hal.motion import Fact, facts_of
 from rig.mechanisms.arm.fact_kinds import INDICES, TWIST_FACTS
 from rig.mechanisms.arm.twist_lines import off_direction
@@ -47,6 +48,5 @@ def facts_of_twists(plan: ArmPlan, geometry: ArmGeometry, asked: ArmTwists) -> d
     for name, rate in zip(AXIS_NAMES, rates, strict=True):
         facts[f"peak_rate_{name}"] = float(rate)
     for (name, _), values in zip(INDICES, plan.indices.T, strict=True):
-        crosses = bool(np.any(values[:-1] * values[1:] < 0.0))
-        facts[f"closest_{name}"] = 0.0 if crosses else float(np.abs(values).min())
+        facts[f"closest_{name}"] = least_size(values)
     return facts_of(TWIST_FACTS, facts)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 _COSTS = (
-    ("peak_knee_rate", Cost("peak knee rate (rad/s)", 1.0, 1e-2)),
+    ("peak_knee_rate", Cost("peak knee rate, at 1 kHz (rad/s)", 1.0, 1e-2)),
     ("rate_jump", Cost("greatest jump in 1 ms (rad/s)", 1.0, 1e-4)),
     ("path_deviation", Cost("off the path (mm)", 1e3, 1e-3)),
     ("leg_mismatch", Cost("legs disagree by (mm)", 1e3, 1e-3)),

@@ -106,7 +106,7 @@ def test_walks_side_by_side(run_of):
     assert titles == [
         "one",
         "other",
-        "peak knee rate (rad/s)",
+        "peak knee rate, at 1 kHz (rad/s)",
         "legs disagree by (mm)",
     ]
 
@@ -143,4 +143,4 @@ def test_laws_are_told_apart_by_their_plans_whatever_is_measured(run_of):
     with paper_style():
         figure = LEGS_COMPARISON.draw(runs, ["a", "b"])
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert "peak knee rate (rad/s)" in titles
+    assert "peak knee rate, at 1 kHz (rad/s)" in titles
