@@ -297,9 +297,11 @@ class Esc(ArmLaw[EscSettings]):
             return 0.0
         return region_for_acceleration(self.geometry, trajectory.speed)
 
-    def follower(self, *, through: bool) -> TwistFollower:
+    def follower(
+        self, geometry: ArmGeometry, *, through: bool, rest: int | None = None
+    ) -> TwistFollower:
         """Return what keeps the hand on the directions that it is asked for."""
-        return OnDirection(self.geometry, self.period, through=through)
+        return OnDirection(geometry, self.period, through=through, rest=rest)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""

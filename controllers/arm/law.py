@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from controllers.arm.choice import begun_elsewhere
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of
+from controllers.arm.online.braking import periods_to_rest, slowed_to_rest
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rehearsal import rehearse
@@ -225,15 +226,26 @@ class ArmLaw(
             )
         return f"{words} it should fit, which was not tried as it takes at least {duration:.4g} s"
 
-    def follower(self, *, through: bool) -> TwistFollower:
-        """Return what follows twists that come from outside; see `ArmTwists.boundary`.
+    def follower(
+        self, geometry: ArmGeometry, *, through: bool, rest: int | None = None
+    ) -> TwistFollower:
+        """Return what follows twists that come from outside.
+
+        Parameters
+        ----------
+        geometry : ArmGeometry
+            The arm, with the rates that it may go at: less than its own where `rest` asks for it.
+        through : bool
+            Whether the elbow may go through its singularity; see `ArmTwists.boundary`.
+        rest : int, optional
+            Within how many periods the hand has to be able to come to rest; see `ArmTwists.rest`.
 
         Raises
         ------
         InfeasibleMotion
             The law needs a whole path.
         """
-        del through
+        del geometry, through, rest
         raise InfeasibleMotion(
             f"{self.name} plans whole paths; esc, dls and servo-halt follow twists as they come."
         )
@@ -246,9 +258,11 @@ class ArmLaw(
         InfeasibleMotion
             The law follows no twists, or they cannot be read or take too long.
         """
-        self._follower = self.follower(through=twists.boundary == "back")
-        self._follower.rest(twists.start)
         rows = twists.known()
+        rest = periods_to_rest(twists, self.period) if rows is None else None
+        its = slowed_to_rest(self.geometry, rest, self.period)
+        self._follower = self.follower(its, through=twists.boundary == "back", rest=rest)
+        self._follower.rest(twists.start)
         if rows is None:
             self._check_start(twists.start)
             return None

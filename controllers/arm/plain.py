@@ -169,12 +169,14 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
         solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
         return tuple((J.T @ solved).tolist())
 
-    def follower(self, *, through: bool) -> TwistFollower:
+    def follower(
+        self, geometry: ArmGeometry, *, through: bool, rest: int | None = None
+    ) -> TwistFollower:
         """Return the same inverse for twists; nothing is tuned to what is not yet known."""
-        del through
+        del through, rest
         damping = self.settings.damping
         return DampedTwist(
-            self.geometry,
+            geometry,
             self.period,
             self.settings.manipulability,
             _DAMPING if damping is None else damping,
@@ -240,10 +242,12 @@ class ServoHalt(_InverseLaw[ServoHaltSettings]):
     Settings = ServoHaltSettings
     name = "servo-halt"
 
-    def follower(self, *, through: bool) -> TwistFollower:
+    def follower(
+        self, geometry: ArmGeometry, *, through: bool, rest: int | None = None
+    ) -> TwistFollower:
         """Return the same rule for twists, as MoveIt Servo has it."""
-        del through
-        return HaltingTwist(self.geometry, self.period, self.settings.slow, self.settings.halt)
+        del through, rest
+        return HaltingTwist(geometry, self.period, self.settings.slow, self.settings.halt)
 
     def share(self, q: Joints) -> float:
         """Return the share of the commanded speed, 1 … 0 between the condition numbers."""

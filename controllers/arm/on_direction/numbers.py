@@ -27,9 +27,13 @@ class TwistNumbers(PlainNumbers):
     through : bool
         Whether the elbow may go through its singularity: the hand then comes back from the
         boundary of the workspace on the line on which it got there.
+    rest : int, optional
+        Within how many periods the hand has to be able to come to rest.
     """
 
-    def __init__(self, geometry: ArmGeometry, period: float, *, through: bool) -> None:
+    def __init__(
+        self, geometry: ArmGeometry, period: float, *, through: bool, rest: int | None = None
+    ) -> None:
         arm = dimensions_of(geometry)
         self.a1, self.a2, self.a3, self.d6 = arm.a1, arm.a2, arm.a3, arm.d6
         self.offset, self.elbow_angle, self.wrist_sign = (
@@ -41,4 +45,6 @@ class TwistNumbers(PlainNumbers):
         """Greatest change of each joint's rate in a period, rad/s."""
         self.lower, self.upper = geometry.position_min, geometry.position_max
         slowest = max(rate / step for rate, step in zip(self.rates, self.steps, strict=True))
-        self.horizon = float(math.ceil(_HORIZON * slowest) + 10)
+        longest = math.ceil(_HORIZON * slowest) + 10
+        self.horizon = float(longest if rest is None else min(longest, rest + 1))
+        """Periods that a way to rest may take, with the one in which the hand stands."""

@@ -59,6 +59,10 @@ class ArmTwists(ABC):
     silence : float
         Who has not been heard for so long is waited for no longer, s: the hand brakes. Heard
         within 0.1 s, it goes on; later only after a twist of zero.
+    rest : float
+        After the last word the hand is at rest within this time, s: joints go no faster than
+        they can brake from in what `silence` leaves of it. Twists that are known beforehand,
+        those of a file, go at the joints' whole rates.
     duration : float
         How long is listened, s.
     """
@@ -67,6 +71,7 @@ class ArmTwists(ABC):
     frame: Literal["base", "tool"] = "base"
     boundary: Literal["stay", "back"] = "stay"
     silence: Silence = 0.02
+    rest: Annotated[float, Unit("s"), Interval(gt=0, le=10)] = 0.1
     duration: Annotated[float, Unit("s"), Gt(0)] = 60.0
 
     @property

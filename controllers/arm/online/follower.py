@@ -55,10 +55,15 @@ class OnDirection(TwistFollower):
         s.
     through : bool
         Whether the elbow may go through its singularity.
+    rest : int, optional
+        The hand goes no faster than that it can come to rest within so many periods.
     """
 
-    def __init__(self, geometry: ArmGeometry, period: float, *, through: bool) -> None:
-        self._next = KernelMemory(TwistNumbers(geometry, period, through=through)).bind(next_period)
+    def __init__(
+        self, geometry: ArmGeometry, period: float, *, through: bool, rest: int | None = None
+    ) -> None:
+        numbers = TwistNumbers(geometry, period, through=through, rest=rest)
+        self._next = KernelMemory(numbers).bind(next_period)
         self.rest(AT_REST)
         self.step(AT_REST)  # the first call is what compiles
         self.rest(AT_REST)

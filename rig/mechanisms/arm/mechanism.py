@@ -102,7 +102,7 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         if isinstance(reference, ArmTwists):
             plan = controller.prepare_twists(reference)
             if plan is None:
-                return HeardTwists(reference, settings.geometry)
+                return HeardTwists(reference, settings.geometry, period)
             return KnownTwists(plan, settings.geometry, reference)
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")

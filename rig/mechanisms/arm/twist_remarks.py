@@ -1,4 +1,4 @@
-"""Where a hand that follows known twists will stand, and why."""
+"""Where a hand that follows twists will stand and why, and what it is slowed down for."""
 
 import math
 from typing import Final
@@ -6,6 +6,8 @@ from typing import Final
 import numpy as np
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
+from controllers.arm.online.braking import periods_to_rest, slowed_to_rest
+from controllers.arm.online.commands import ArmTwists
 from controllers.arm.plan import ArmPlan
 from rig.hal.motion import Note
 from rig.mechanisms.arm.twist_facts import STANDS
@@ -18,6 +20,24 @@ _TURNS: Final = 0.2
 """Share of its limit with which a joint turns for which the hand waits."""
 _AT_BOUNDARY: Final = 2e-3
 """m: a wrist centre that is so near to the workspace's boundary has come to it."""
+
+
+def remarks_on_rest(twists: ArmTwists, geometry: ArmGeometry, period: float) -> tuple[Note, ...]:
+    """Return how much of their rates the joints may use, if they could not brake in time."""
+    rest = periods_to_rest(twists, period)
+    slowed = slowed_to_rest(geometry, rest, period).rate_limits
+    shares = sorted(now / limit for now, limit in zip(slowed, geometry.rate_limits, strict=True))
+    least, most = (f"{share:.2g}" for share in (shares[0], shares[-1]))
+    if shares[0] == 1.0:
+        return ()
+    return (
+        Note(
+            "rest",
+            f"joints keep to {least if least == most else f'{least} to {most}'} of their rates, so "
+            f"that the hand is at rest {1e3 * twists.rest:g} ms after the last word "
+            "(reference.rest)",
+        ),
+    )
 
 
 def remarks_on_standing(plan: ArmPlan, geometry: ArmGeometry) -> tuple[Note, ...]:

@@ -14,7 +14,7 @@ from rig.hal import Device, SafetyError
 from rig.hal.motion import Fact, Motion, Note, Segment
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.twist_facts import facts_of_twists
-from rig.mechanisms.arm.twist_remarks import remarks_on_standing
+from rig.mechanisms.arm.twist_remarks import remarks_on_rest, remarks_on_standing
 
 _NUMBERS = 6
 _AWAY = 0.1
@@ -64,12 +64,15 @@ class HeardTwists(Motion[ArmReference]):
         Who is listened to.
     geometry : ArmGeometry
         The arm.
+    period : float
+        Of the cycle, s.
     """
 
     watches = True
 
-    def __init__(self, twists: ArmTwists, geometry: ArmGeometry) -> None:
+    def __init__(self, twists: ArmTwists, geometry: ArmGeometry, period: float) -> None:
         self._twists, self._geometry, self._arm = twists, geometry, dimensions_of(geometry)
+        self.remarks = remarks_on_rest(twists, geometry, period)
         self._before: tuple[float, Six] | None = None
         self.real_time = twists.real_time
         self._ear: Heard | None = None
