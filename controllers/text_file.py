@@ -71,18 +71,26 @@ def read_table_lines(path: Path) -> list[str]:
     return lines
 
 
-def read_table(path: Path) -> list[list[str]]:
-    """Return the cells of a CSV file, row by row.
+def read_table(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the rows of a CSV file that count, the header first: their lines, and their cells.
+
+    Empty lines do not count, nor those that begin with ``#``. Cells have no blanks around them.
 
     Raises
     ------
     InfeasibleMotion
-        As `read_table_lines`, or a quotation goes on and on.
+        As `read_table_lines`, or a quotation does not end in its line.
     """
-    try:
-        return list(csv.reader(read_table_lines(path), skipinitialspace=True))
-    except csv.Error as error:
-        raise InfeasibleMotion(f"{path}: {error}.") from error
+    rows = []
+    for number, line in enumerate(read_table_lines(path), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        try:
+            (cells,) = csv.reader([line], skipinitialspace=True, strict=True)
+        except csv.Error as error:
+            raise InfeasibleMotion(f"{path}, line {number}: {error}.") from error
+        rows.append((number, [cell.strip() for cell in cells]))
+    return rows
 
 
 def number_in(cell: str) -> float:

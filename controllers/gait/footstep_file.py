@@ -1,6 +1,5 @@
 """Footprints from a CSV file, read strictly."""
 
-import csv
 import difflib
 import math
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import NamedTuple
 
 from controllers.gait.footprints import MOST_STEPS, Footstep
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import number_in, read_table_lines
+from controllers.text_file import number_in, read_table
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3}
@@ -62,7 +61,7 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     InfeasibleMotion
         With file, line, column, and what is wrong there.
     """
-    numbered = _rows(path)
+    numbered = read_table(path)
     if not numbered:
         raise InfeasibleMotion(f"{path}: the file is empty; its header begins with foot, x (mm).")
     columns = _header(path, *numbered[0])
@@ -74,16 +73,7 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
 
 def lines_of_steps(path: Path) -> tuple[int, ...]:
     """Return the line of a file that each footprint stands in."""
-    return tuple([line for line, _ in _rows(path)[1:]])
-
-
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines that count, the header first: their numbers and cells."""
-    return [
-        (number, [cell.strip() for cell in next(csv.reader([line]))])
-        for number, line in enumerate(read_table_lines(path), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    return tuple([line for line, _ in read_table(path)[1:]])
 
 
 def _header(path: Path, line: int, row: list[str]) -> list[_Column]:

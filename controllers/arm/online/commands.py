@@ -13,23 +13,13 @@ from annotated_types import Gt, Interval, Unit
 
 from controllers.arm.geometry import SixAngles
 from controllers.arm.on_direction.numbers import Six
+from controllers.arm.online.twist_file import Row, read_rows
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import number_in, read_table
 
-Time = Annotated[float, Unit("s")]
-Speed = Annotated[float, Unit("m/s")]
-TurnRate = Annotated[float, Unit("rad/s")]
-Row = tuple[Time, Speed, Speed, Speed, TurnRate, TurnRate, TurnRate]
-"""From when on, s, and the twist, m/s and rad/s."""
 Silence = Annotated[float, Unit("s"), Interval(gt=0, le=0.1)]
 
 FASTEST = 1000.0
 """m/s or rad/s: what is more is a mistake, and squared no number."""
-_TIMES = {"s": 1.0, "ms": 1e-3}
-_SPEEDS = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
-_TURNS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
-_LINEAR, _ANGULAR = ("vx", "vy", "vz"), ("wx", "wy", "wz")
-_UNITS = {"t": _TIMES, **dict.fromkeys(_LINEAR, _SPEEDS), **dict.fromkeys(_ANGULAR, _TURNS)}
 _START = tuple(math.radians(angle) for angle in (0.0, 20.0, 90.0, 0.0, 30.0, 0.0))
 
 
@@ -134,27 +124,27 @@ class TwistRows(ArmTwists):
 
     def known(self) -> list[Row]:
         """Return the rows; see `ArmTwists.known`."""
-        if self.file is not None:
-            rows, name = read_rows(Path(self.file)), f"{self.file}: "
+        if self.file is None:
+            named = [(f"row {number}", row) for number, row in enumerate(self.rows, 1)]
         else:
-            rows, name = list(self.rows), ""
-        if len(rows) < 2:
+            named = [(f"line {line}", row) for line, row in read_rows(Path(self.file))]
+        name = "" if self.file is None else f"{self.file}: "
+        if len(named) < 2:
             raise InfeasibleMotion(f"{name}there is no twist: the last of two rows says the end.")
-        for number, (before, after) in enumerate(pairwise(rows), 2):
-            if not before[0] < after[0]:
-                raise InfeasibleMotion(
-                    f"{name}row {number} is for {after[0]:g} s, and must be after row "
-                    f"{number - 1} ({before[0]:g} s)."
-                )
-        for number, (_, *twist) in enumerate(rows, 1):
+        for where, (t, *twist) in named:
             if max(map(abs, twist)) > FASTEST:
                 raise InfeasibleMotion(
-                    f"{name}row {number} asks for {max(twist, key=abs):g} m/s or rad/s; no arm is "
+                    f"{name}{where} asks for {max(twist, key=abs):g} m/s or rad/s; no arm is "
                     f"faster than {FASTEST:g}."
                 )
-        if rows[0][0] < 0.0:
-            raise InfeasibleMotion(f"{name}row 1 is for {rows[0][0]:g} s, before the beginning.")
-        return rows
+            if t < 0.0:
+                raise InfeasibleMotion(f"{name}{where} is for {t:g} s, before the beginning.")
+        for (before, (earlier, *_)), (where, (t, *_)) in pairwise(named):
+            if not earlier < t:
+                raise InfeasibleMotion(
+                    f"{name}{where} is for {t:g} s, and must be after {before} ({earlier:g} s)."
+                )
+        return [row for _, row in named]
 
     def twist(self, t: float) -> Six:
         """Return the row at an instant."""
@@ -167,65 +157,3 @@ def twist_at(rows: Sequence[Row], t: float) -> Six:
     if not 0 <= number < len(rows) - 1:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return rows[number][1:]
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a CSV file, in SI.
-
-    Raises
-    ------
-    InfeasibleMotion
-        With the line and what is wrong with it.
-    """
-    lines = read_table(path)
-    names = _columns(path, lines[0] if lines else [])
-    rows: list[Row] = []
-    for number, line in enumerate(lines[1:], 2):
-        if not line:
-            continue
-        if len(line) != len(names):
-            raise InfeasibleMotion(
-                f"{path}, line {number}: {len(line)} values, the header has {len(names)}."
-            )
-        told = {
-            name: scale * _number(path, number, text)
-            for (name, scale), text in zip(names, line, strict=True)
-        }
-        t, vx, vy, vz, wx, wy, wz = (told.get(name, 0.0) for name in _UNITS)
-        rows.append((t, vx, vy, vz, wx, wy, wz))
-    return rows
-
-
-def _columns(path: Path, header: list[str]) -> list[tuple[str, float]]:
-    """Return each column's name, and by what its values are multiplied."""
-    found: list[tuple[str, float]] = []
-    for text in header:
-        name, _, unit = text.replace("(", " ").replace(")", " ").strip().partition(" ")
-        if name not in _UNITS or name in dict(found):
-            raise InfeasibleMotion(
-                f"{path}, line 1: the column {text.strip()!r} is "
-                f"{'there twice' if name in _UNITS else 'unknown'}; columns are "
-                f"{', '.join(_UNITS)}, each once."
-            )
-        units = _UNITS[name]
-        if unit.strip() not in units:
-            raise InfeasibleMotion(
-                f"{path}, line 1: the unit of {name} is {unit.strip() or 'missing'}; write "
-                f"{name} ({next(iter(units))}), or one of {', '.join(units)}."
-            )
-        found.append((name, units[unit.strip()]))
-    names = dict(found)
-    turning = [name for name in _ANGULAR if name in names]
-    if not all(name in names for name in ("t", *_LINEAR)) or 0 < len(turning) < len(_ANGULAR):
-        raise InfeasibleMotion(
-            f"{path}, line 1: the header has to name t, vx, vy and vz, and all of wx, wy, wz or "
-            f"none; it has {', '.join(names) or 'nothing'}."
-        )
-    return found
-
-
-def _number(path: Path, line: int, text: str) -> float:
-    value = number_in(text)
-    if not math.isfinite(value):
-        raise InfeasibleMotion(f"{path}, line {line}: {text!r} is no number.")
-    return value

@@ -6,9 +6,10 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import Dimensions, dimensions_of, forward, hand_twist
 from controllers.arm.on_direction.direction import moved_on
 from controllers.arm.on_direction.numbers import Six
-from controllers.arm.online.commands import Row, twist_at
+from controllers.arm.online.commands import twist_at
 from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rivals import turned_into_base
+from controllers.arm.online.twist_file import Row
 from controllers.arm.plan import ArmPlan, Sample, make_plan
 from controllers.arm.types import AT_REST, Twist, Vector
 from controllers.arm.vectors import turned

@@ -69,13 +69,11 @@ def read_cells(path: Path) -> TextTable:
 
 
 def _csv(path: Path) -> TextTable:
-    lines = [
-        TextRow(
-            line, [TextCell(text.strip(), line, column) for column, text in enumerate(cells, 1)]
-        )
-        for line, cells in enumerate(read_table(path), 1)
+    rows = [
+        TextRow(line, [TextCell(text, line, column) for column, text in enumerate(cells, 1)])
+        for line, cells in read_table(path)
     ]
-    return TextTable(lines[0] if lines else TextRow(1, []), [row for row in lines[1:] if row.cells])
+    return TextTable(rows[0] if rows else TextRow(1, []), rows[1:])
 
 
 def _yaml(path: Path) -> TextTable:

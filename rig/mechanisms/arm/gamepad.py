@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import Gt, Interval, Unit
 
 from controllers.arm.on_direction.numbers import Six
-from controllers.arm.online.commands import ArmTwists, Row
+from controllers.arm.online.commands import ArmTwists
+from controllers.arm.online.twist_file import Row
 from controllers.arm.types import AT_REST
 from controllers.motion import InfeasibleMotion
 from rig.hal.device_files import device_trouble, may_open, permitting

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from controllers.arm.online.commands import read_rows
+from controllers.arm.online.twist_file import read_rows
 from controllers.arm.places.poses import read_poses
 from controllers.gait.footstep_file import read_footsteps
 from controllers.motion import InfeasibleMotion

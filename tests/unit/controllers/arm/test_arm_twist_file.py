@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from controllers.arm.online.commands import TwistRows, read_rows, twist_at
+from controllers.arm.online.commands import TwistRows, twist_at
+from controllers.arm.online.twist_file import read_rows
 from controllers.motion import InfeasibleMotion
 
 
@@ -18,16 +19,17 @@ def test_units_stand_in_the_header(tmp_path):
     path = written(
         tmp_path,
         "t (ms), vx (mm/s), vy (cm/s), vz (m/s), wx (deg/s), wy (rad/s), wz (deg/s)\n"
-        "0, 100, 20, 0.3, 90, 0.5, -180\n\n250, 0, 0, 0, 0, 0, 0\n",
+        "# begin, then stop\n0, 100, 20, 0.3, 90, 0.5, -180\n\n250, 0, 0, 0, 0, 0, 0\n",
     )
-    first, last = read_rows(path)
+    (line, first), (last_line, last) = read_rows(path)
+    assert (line, last_line) == (3, 5)
     assert first == pytest.approx((0.0, 0.1, 0.2, 0.3, math.pi / 2, 0.5, -math.pi))
     assert last == (0.25, *(0.0,) * 6)
 
 
 def test_the_tool_need_not_turn_and_columns_come_in_any_order(tmp_path):
     rows = read_rows(written(tmp_path, "vz (m/s),t (s),vx (m/s),vy (m/s)\n3,0,1,2\n0,1,0,0\n"))
-    assert rows[0] == (0.0, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
+    assert rows[0][1] == (0.0, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
 
 
 HEADER = "t (s), vx (m/s), vy (m/s), vz (m/s)\n"
@@ -36,7 +38,10 @@ HEADER = "t (s), vx (m/s), vy (m/s), vz (m/s)\n"
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "it has nothing"),
+        ("", "the file is empty; its header begins with t (s)"),
+        ("# only words\n", "the file is empty"),
+        ("# words\n,\n", "line 2: the column '' is unknown"),
+        ('"t (s)\n', "line 1: unexpected end of data"),
         ("t (s), vx, vy (m/s), vz (m/s)\n", "the unit of vx is missing"),
         ("t (s), vx (rad/s), vy (m/s), vz (m/s)\n", "the unit of vx is rad/s"),
         ("t (s), vx (m/s), vy (m/s)\n", "has to name t, vx, vy and vz"),
@@ -49,8 +54,8 @@ HEADER = "t (s), vx (m/s), vy (m/s), vz (m/s)\n"
         (HEADER + "0, 1, 0, nan\n", "line 2: 'nan' is no number"),
         (HEADER + "0, 1, 0\n", "line 2: 3 values, the header has 4"),
         (HEADER + "0, 1, 0, 0\n", "the last of two rows says the end"),
-        (HEADER + "0, 1, 0, 0\n0, 0, 0, 0\n", "row 2 is for 0 s, and must be after row 1"),
-        (HEADER + "-1, 1, 0, 0\n0, 0, 0, 0\n", "row 1 is for -1 s, before the beginning"),
+        (HEADER + "0, 1, 0, 0\n0, 0, 0, 0\n", "line 3 is for 0 s, and must be after line 2"),
+        (HEADER + "-1, 1, 0, 0\n0, 0, 0, 0\n", "line 2 is for -1 s, before the beginning"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path, text, said):
