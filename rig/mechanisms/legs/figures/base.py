@@ -31,6 +31,10 @@ def turns(run: RunData) -> bool:
     return any(run.has(name) and bool(np.any(run.trace(name))) for name in names)
 
 
+_LAST = 0.1
+"""The last sample of a run comes by less before its end, s."""
+
+
 def mark_phases(axes: "Axes", run: RunData, most: int = _MOST_TICKS) -> None:
     """Shade the swings, and tick the instants between phases: there the knees are straight.
 
@@ -43,17 +47,16 @@ def mark_phases(axes: "Axes", run: RunData, most: int = _MOST_TICKS) -> None:
     most : int
         More instants than these are not ticked: their numbers would run into each other.
     """
-    phases = [segment for segment in run.segments if segment.name != "all"]
+    end = float(run.time[-1]) + _LAST  # a run that ended early did not come to what was planned
+    phases = [s for s in run.segments if s.name != "all" and s.start < end]
     for phase in phases:
         if phase.name.startswith("swing"):
-            axes.axvspan(phase.start, phase.end, color=SHADE, lw=0, zorder=0)
-    instants = sorted({0.0, *(phase.end for phase in phases)})
+            axes.axvspan(
+                phase.start, min(phase.end, float(run.time[-1])), color=SHADE, lw=0, zorder=0
+            )
+    instants = sorted({0.0, *(phase.end for phase in phases if phase.end <= end)})
     if len(phases) > 1 and len(instants) <= most:
         axes.set_xticks(instants, labels=[f"{instant:.3g}" for instant in instants])
-
-
-_LAST = 0.1
-"""The last sample of a run comes by less before its end, s."""
 
 
 def landings(run: RunData) -> dict[str, list[tuple[int, int]]]:
