@@ -5,6 +5,7 @@ The answers are used in many places, deep inside; one of a wrong type is said he
 
 from dataclasses import is_dataclass
 from math import isnan
+from typing import Final
 
 from rig.assembly.contract_check import ask, check_offers
 from rig.assembly.registry import REGISTRY
@@ -43,11 +44,25 @@ def check_answers(profile: Profile) -> None:
         ask(what, PhysicsSettings, "variant", profile.plant.settings)
     what = f"the mechanism {profile.mechanism}"
     view = REGISTRY.load("mechanism", profile.mechanism)
-    for method in ("wiring", "geometry_of", "limits_of", "expected_of", "constants_of", "unfit"):
+    for method in (
+        "wiring",
+        "geometry_of",
+        "limits_of",
+        "expected_of",
+        "described",
+        "constants_of",
+        "unfit",
+    ):
         ask(what, Mechanism, method, view, profile.mechanism_settings)
     limits = view.limits_of(profile.mechanism_settings)
     if limits is not None and (isinstance(limits, type) or not is_dataclass(limits)):
         raise ContractBroken(f"{what}: limits_of returned {shown(limits)}, and no dataclass")
+
+
+_ASKED: Final = (
+    "wiring", "geometry_of", "limits_of", "expected_of", "described", "constants_of", "unfit",
+)  # fmt: skip
+"""Of a mechanism's class, with the profile's section."""
 
 
 def check_motion(what: str, motion: Motion[object], period: float) -> None:

@@ -41,6 +41,7 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
             _calibration(state) for state in calibration_states(profile, datetime.now(UTC).date())
         ],
         "limits": [] if limits is None else _quantities(limits),
+        "dimensions": dict(mechanism.described(profile.mechanism_settings)),
         "expected": [quantity._asdict() for quantity in expected],
         "controllers": list(profile.controllers),
         "plant": None
@@ -225,6 +226,7 @@ def profile_tables(profile: dict[str, Any]) -> list[Table]:
     """Return a described profile as tables."""
     plant = profile["plant"]
     expected = [(of["name"], _text(of["value"], of["unit"])) for of in profile["expected"]]
+    dimensions = list(profile["dimensions"].items())
     physics = "-" if plant is None else " ".join(filter(None, (plant["model"], plant["seals"])))
     facts = [
         ("description", profile["description"] or "-"),
@@ -236,6 +238,7 @@ def profile_tables(profile: dict[str, Any]) -> list[Table]:
     ]
     return [
         Table(f"rig {profile['name']}", ("what", "value"), facts),
+        *([Table("dimensions", ("what", "value"), dimensions)] if dimensions else []),
         Table(
             "devices",
             ("device", "driver", "bus", "node", "serial", "calibration"),

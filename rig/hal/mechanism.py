@@ -91,6 +91,11 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return ()
 
     @classmethod
+    def described(cls, settings: Settings) -> tuple[tuple[str, str], ...]:
+        """Return what and value of what `rig check` shows of the rig's dimensions."""
+        return ()
+
+    @classmethod
     def closed_loop(cls, settings: Settings, controller: object) -> ClosedLoop | None:
         """Return the margins of the loop that a controller closes; None: nothing is known of it.
 

@@ -45,6 +45,38 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
     assert all(item["name"] in shown for item in expected)
 
 
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        (
+            "arm-puma-560",
+            {
+                "singular at the shoulder": "wrist centre 150 mm from the axis of q1",
+                "singular at the elbow": "q3 at -2.692 deg, where the arm is stretched",
+                "singular at the wrist": "q5 at 0 deg",
+                "q4": "-110 to 170 deg, at most 114.6 deg/s",
+            },
+        ),
+        (
+            "legs",
+            {
+                "legs": "200 mm from hip to ankle with straight knees",
+                "soles": "58.2 mm ahead of the ankle, 35.8 mm behind it, 62 mm wide",
+                "left ankle_roll": "-24 to 24 deg",
+            },
+        ),
+    ],
+)
+def test_check_says_how_far_a_rig_reaches_and_where_it_is_singular(capsys, name, said):
+    assert invoke(["check", name, "--configs", str(CONFIGS), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["profile"]["dimensions"]
+    assert invoke(["check", name, "--configs", str(CONFIGS)]) == 0
+    shown = capsys.readouterr().out
+    for what, value in said.items():
+        assert value in told[what]
+        assert told[what] in shown
+
+
 def warnings_of(capsys, *words):
     """Return what `rig check` warns of, and holds it against what a person is shown."""
     capsys.readouterr()

@@ -20,6 +20,7 @@ from controllers.slowed_law import SlowedLaw
 from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Motion
+from rig.mechanisms.arm.dimensions import described
 from rig.mechanisms.arm.fact_kinds import INDICES
 from rig.mechanisms.arm.live_row import commanded_row
 from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
@@ -83,6 +84,11 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     def geometry_of(cls, settings: ArmSettings) -> ArmGeometry:
         """Return the dimensions that the plant is made with."""
         return settings.geometry
+
+    @classmethod
+    def described(cls, settings: ArmSettings) -> tuple[tuple[str, str], ...]:
+        """Return what its dimensions come to; see `Mechanism.described`."""
+        return described(settings.geometry)
 
     @classmethod
     def limits_of(cls, settings: ArmSettings) -> ServoLimits:

@@ -18,6 +18,7 @@ from controllers.slowed_law import SlowedLaw
 from rig.hal import Device, Vector
 from rig.hal.columns import Column
 from rig.hal.motion import Motion, Note, Segment
+from rig.mechanisms.legs.dimensions import described
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.fall import FallWatch
 from rig.mechanisms.legs.ground import prints_off_ground
@@ -190,6 +191,11 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     def geometry_of(cls, settings: LegsSettings) -> LegGeometry:
         """Return the dimensions that the plant is made with."""
         return settings.geometry
+
+    @classmethod
+    def described(cls, settings: LegsSettings) -> tuple[tuple[str, str], ...]:
+        """Return what its dimensions come to; see `Mechanism.described`."""
+        return described(settings.geometry)
 
     @classmethod
     def limits_of(cls, settings: LegsSettings) -> ServoLimits:
