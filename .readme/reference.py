@@ -9,7 +9,7 @@ from itertools import groupby
 from pathlib import Path
 
 from rig.cli.command_table import COMMANDS
-from rig.explaining.faults import fault_topics
+from rig.explaining.faults import fault_topics, refusal_topics
 from rig.explaining.glossary import PARTS, Word, glossary
 
 PAGE = Path(__file__).with_name("reference.md")
@@ -59,6 +59,9 @@ def page() -> str:
         parts += _sections(kind, [word for word in words if word.kind == kind])
     parts += ["", "## Faults", "", "What a message means; `rig explain RUN` looks it up.", ""]
     rows = [(f"`{t.name}`", t.means, t.causes, t.check, t.mend) for t in fault_topics()]
+    parts += _table(("kind", "means", "usual causes", "check", "mend"), rows)
+    parts += ["", "## Refusals", "", "Why a command ends with 2 before anything moves.", ""]
+    rows = [(f"`{t.name}`", t.means, t.causes, t.check, t.mend) for t in refusal_topics()]
     parts += _table(("kind", "means", "usual causes", "check", "mend"), rows)
     return "\n".join(parts) + "\n"
 

@@ -74,7 +74,7 @@ def _line(label: str, text: str) -> str:
 
 def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[str, str]]:
     from rig.explaining.ended_run import explain_run
-    from rig.explaining.faults import topic_of
+    from rig.explaining.faults import refusal_of, topic_of
     from rig.hal import ConfigurationError
     from rig.hal.files import is_folder
 
@@ -93,9 +93,12 @@ def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[s
 
     if columns := columns_called(word, profile, runs):
         return [(_title(column), column.text) for column in columns]
-    topic = topic_of(word) if " " in word.strip() else None
-    if topic is not None:
-        return topic.remarks()
+    if " " in word.strip():
+        # What `rig` refuses begins with the word; what stops a run may say the same of a motion.
+        tellers = (topic_of, refusal_of)[:: -1 if word.lstrip().lower().startswith("error:") else 1]
+        for topic in (tell(word) for tell in tellers):
+            if topic is not None:
+                return topic.remarks()
     if word.partition(".")[0] in _GROUPS:
         raise ConfigurationError(
             f"neither a key nor a column of the newest run's log is called {word!r}; --rig PROFILE "
@@ -121,9 +124,9 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
     """Return what is known of a word: its own meanings, or those of the keys that end with it."""
     from rig.cli.command_table import COMMANDS
     from rig.explaining.exit_codes import EXIT_CODES
-    from rig.explaining.faults import fault_topics
+    from rig.explaining.faults import fault_topics, refusal_topics
 
-    for topic in fault_topics():
+    for topic in (*fault_topics(), *refusal_topics()):
         if topic.name == word:
             return topic.remarks()
     if word in COMMANDS:
@@ -179,8 +182,9 @@ def _title(word: Word) -> str:
 
 def _names() -> list[str]:
     from rig.cli.command_table import COMMANDS
-    from rig.explaining.faults import fault_topics
+    from rig.explaining.faults import fault_topics, refusal_topics
     from rig.explaining.glossary import glossary
 
     names = {name for w in glossary() for name in (w.name, w.name.rpartition(".")[2])}
-    return sorted({*names, *COMMANDS, *(topic.name for topic in fault_topics())})
+    topics = (*fault_topics(), *refusal_topics())
+    return sorted({*names, *COMMANDS, *(topic.name for topic in topics)})

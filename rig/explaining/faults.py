@@ -1,4 +1,4 @@
-"""What may stop a run: what it means, its usual causes, how to tell them apart, what mends it."""
+"""What may stop a run, or keep it from beginning: what it means, its causes, what mends it."""
 
 import re
 from functools import cache
@@ -7,7 +7,7 @@ from typing import NamedTuple, TypedDict, cast
 
 from rig.config.yaml_loader import read_plain
 
-_TOPICS = Path(__file__).with_name("faults.yaml")
+_HERE = Path(__file__).parent
 
 
 class _Entry(TypedDict):
@@ -49,7 +49,17 @@ class FaultTopic(NamedTuple):
 @cache
 def fault_topics() -> tuple[FaultTopic, ...]:
     """Return every kind of fault, in the order in which a message is held against them."""
-    entries = cast("dict[str, _Entry]", read_plain(_TOPICS))
+    return _topics_in(_HERE / "faults.yaml")
+
+
+@cache
+def refusal_topics() -> tuple[FaultTopic, ...]:
+    """Return every kind of refusal before anything moves, in that order."""
+    return _topics_in(_HERE / "refusals.yaml")
+
+
+def _topics_in(path: Path) -> tuple[FaultTopic, ...]:
+    entries = cast("dict[str, _Entry]", read_plain(path))
     return tuple(
         FaultTopic(
             name,
@@ -65,7 +75,16 @@ def fault_topics() -> tuple[FaultTopic, ...]:
 
 def topic_of(message: str) -> FaultTopic | None:
     """Return the kind of fault that a message tells of; None if no topic knows it."""
-    for topic in fault_topics():
+    return _told_by(message, fault_topics())
+
+
+def refusal_of(message: str) -> FaultTopic | None:
+    """Return the kind of refusal that a message tells of; None if no topic knows it."""
+    return _told_by(message, refusal_topics())
+
+
+def _told_by(message: str, topics: tuple[FaultTopic, ...]) -> FaultTopic | None:
+    for topic in topics:
         if any(pattern.search(message) for pattern in topic.says):
             return topic
     return None

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, TypedDict
 
 from rig.explaining.ended_run import Remark, age_since
-from rig.explaining.faults import topic_of
+from rig.explaining.faults import refusal_of, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.files import users_folder
 from rig.json_file import write_json
@@ -70,12 +70,12 @@ class RefusedRun(NamedTuple):
             ),
             Remark("message", self.message),
         ]
-        topic = topic_of(self.message) if self.code == 3 else None
+        topic = (topic_of if self.code == 3 else refusal_of)(self.message)
         if topic is not None:
             told += [Remark(*pair) for pair in topic.remarks()]
         else:
             told.append(Remark("means", _MEANS[self.code]))
-        told.append(Remark("next", "Mend what the message names, and run it again."))
+            told.append(Remark("next", "Mend what the message names, and run it again."))
         if before is not None:
             told.append(
                 Remark("before", f"The run before it: `rig explain {before}` explains that one.")

@@ -15,7 +15,7 @@ from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
 from rig.explaining.ended_run import age_since
-from rig.explaining.faults import fault_topics, topic_of
+from rig.explaining.faults import fault_topics, refusal_of, refusal_topics, topic_of
 from rig.explaining.glossary import glossary, without_keys
 from rig.faults.catalogue import KINDS
 
@@ -24,6 +24,11 @@ FAULTS = {
     "DeviceFault", "ConnectionFailed", "LimitExceeded", "SafetyError", "StaleReading",
     "EmergencyStop", "LoopStalled",
 }  # fmt: skip
+REFUSALS = {
+    "InfeasibleMotion", "ConfigurationError", "ProfileError", "OutOfRange", "TooShort",
+    "CalibrationRefused",
+}  # fmt: skip
+CONFIGS = ["--configs", str(ROOT / "configs")]
 
 
 def said(capsys, *words):
@@ -99,17 +104,19 @@ def test_a_typing_error_gets_the_nearest_names(capsys):
 
 
 def test_every_topic_says_what_a_person_needs():
-    for topic in fault_topics():
+    names = [topic.name for topic in (*fault_topics(), *refusal_topics())]
+    assert len(names) == len(set(names))
+    for topic in (*fault_topics(), *refusal_topics()):
         for label, text in topic.remarks():
             assert text.strip(), (topic.name, label)
         for name in re.findall(r"`rig (\w+)", " ".join(text for _, text in topic.remarks())):
             assert name in COMMANDS, topic.name
 
 
-def sentences(path):
+def sentences(path, kinds=FAULTS):
     """Return the longest literal text of each fault that a file raises, and its line."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if not isinstance(node, ast.Call) or getattr(node.func, "id", "") not in FAULTS:
+        if not isinstance(node, ast.Call) or getattr(node.func, "id", "") not in kinds:
             continue
         whole = "".join(
             part.value if isinstance(part, ast.Constant) else "X"
@@ -156,6 +163,55 @@ def test_every_fault_that_the_program_raises_has_a_topic():
         if topic_of(text) is None
     ]
     assert untold == []
+
+
+def test_every_refusal_that_the_program_raises_has_a_topic():
+    untold = [
+        f"{path.relative_to(ROOT)}:{line}: {text}"
+        for folder in ("controllers", "drivers", "rig")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for line, text in sentences(path, REFUSALS)
+        if refusal_of(text) is None
+    ]
+    assert untold == []
+
+
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [
+        (["run", "cylinder-sin"], "no_such_name"),
+        (["run", "cylinder", "--on", "sim"], "no_such_name"),
+        (["report", "no-such-run"], "no_such_name"),
+        (["calibrate", "cylinder", "no-such-procedure"], "no_such_name"),
+        (["check", "cylinder-sine", "--set", "reference.amplitud=2 mm"], "unknown_key"),
+        (["check", "cylinder-sine", "--set", "reference.amplitude=2 s"], "unit"),
+        (["check", "cylinder-sine", "--set", "loop.rate=-5 Hz"], "beyond_bounds"),
+        (["check", "cylinder-sine", "--set", "reference.amplitude=200 mm"], "beyond_bounds"),
+        (["check", "cylinder", "--set", "loop.rate=5 kHz"], "bus_load"),
+        (["export", "run", "--format", "xls"], "wrong_option"),
+        (["sweep", "cylinder-sine"], "wrong_option"),
+        (["new", "rig", "cylinder"], "name_taken"),
+        (["run", "cylinder-sine", "--on", "sim", "--runs", "/proc/none"], "unwritable"),
+        (["check", "arm-elbow-turnback", "--set", "reference.speed=9 m/s"], "too_fast"),
+        (["check", "arm-path", "--set", "reference.points=[[9 m,0 m,0 m],[8 m,0 m,0 m]]"],
+         "arm_reach"),
+        (["check", "arm-path", "--set", "law=dls", "--set", "reference.speed=1e-9 m/s"],
+         "beyond_bounds"),
+        (["check", "legs-walk", "--set", "reference.step=300 mm"], "leg_reach"),
+        (["check", "legs-walk", "--set", "reference.sway=0.1"], "tips_over"),
+        (["check", "legs-walk", "--set", "reference.speed=80"], "too_fast"),
+        (["check", "legs-stairs", "--set", "reference.lift=8 mm"], "foot_scrapes"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_is_explained_in_the_words_that_it_was_told_in(capsys, words, kind):
+    code = invoke([*words, *([] if words[0] in ("report", "export") else CONFIGS)])
+    message = capsys.readouterr().err
+    assert code == 2, message
+    assert refusal_of(message).name == kind, message
+    error = next(line for line in message.splitlines() if line.lower().startswith("error:"))
+    code, out, _ = said(capsys, error)
+    assert code == 0 and out.startswith("kind: ")
+    assert all(f"\n{label}: " in out for label in ("means", "causes", "check", "mend"))
 
 
 @pytest.mark.parametrize(
@@ -271,6 +327,7 @@ def test_a_run_that_was_refused_is_what_is_explained(tmp_path, capsys):
     told = {entry["label"]: entry["text"] for entry in json.loads(out)}
     assert "--on nowhere" in told["refused"] and "exit code 2" in told["refused"]
     assert "nowhere" in told["message"]
+    assert told["kind"] and told["mend"]
     assert f"rig explain {folder}" in told["before"]
 
     _, out, _ = said(capsys, "--runs", str(tmp_path / "others"))
