@@ -320,6 +320,7 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     from rig.assembly import Backend, check_fitness
     from rig.cli.confirm import confirm
     from rig.experiment.fault_latch import FaultLatch
+    from rig.hal import ConfigurationError
 
     if backend is Backend.HARDWARE:
         FaultLatch(profile.name, profile.argument).check()
@@ -329,8 +330,9 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     if yes is not None:
         return True
     if not sys.stdin.isatty():
-        click.echo("there is no terminal to ask: say --yes, or look first with --dry-run", err=True)
-        return False
+        raise ConfigurationError(
+            "there is no terminal to ask: say --yes, or look first with --dry-run"
+        )
     return click.confirm("Go?", default=False, err=True)
 
 

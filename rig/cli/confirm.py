@@ -16,15 +16,21 @@ def confirm(rig: str, yes: str | None) -> bool:
         Its name.
     yes : str or None
         What `--yes` said.
+
+    Raises
+    ------
+    ConfigurationError
+        There is nobody to ask.
     """
+    from rig.hal import ConfigurationError
+
     if yes is not None:
         if yes == rig:
             return True
         click.echo(f"--yes {yes}: this is the rig {rig}", err=True)
         return False
     if not sys.stdin.isatty():
-        click.echo(f"there is no terminal to ask: say --yes {rig}", err=True)
-        return False
+        raise ConfigurationError(f"there is no terminal to ask: say --yes {rig}")
     if (
         click.prompt("Type the rig's name to go on", default="", show_default=False, err=True)
         == rig

@@ -114,7 +114,11 @@ def run(
     from rig.experiment.run import run_experiment
     from rig.run_names import find_run
 
-    if not watch:
+    if watch:
+        from rig.cli.watch import check_page
+
+        check_page()
+    else:
         asked = {"--rehearse": rehearse, "--beside": beside, "--steer": steer}
         for option in (name for name, value in asked.items() if value):
             raise click.UsageError(f"{option} is for a page: give --watch as well")

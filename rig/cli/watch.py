@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import tempfile
 from pathlib import Path
 
@@ -11,6 +12,14 @@ import click
 from rig.cli.names import complete_run, json_option, runs_option
 from rig.cli.tables import print_json
 from rig.run_names import LATEST, find_run
+
+
+def check_page() -> None:
+    """Raise a `ConfigurationError` if a page cannot be served here: before a run, not in it."""
+    from rig.hal import ConfigurationError
+
+    if importlib.util.find_spec("aiohttp") is None:
+        raise ConfigurationError("the page needs aiohttp: pip install 'rig-controller[watch]'")
 
 
 @click.command()
@@ -45,16 +54,9 @@ def watch(
     if rehearse and beside is not None:
         raise click.UsageError("either --rehearse or --beside: one run is laid under the other")
     from rig.cli.stop import live_runs
-    from rig.hal import ConfigurationError
 
-    try:
-        from rig.watching.server import serve_run
-    except ModuleNotFoundError as error:
-        if error.name != "aiohttp":
-            raise
-        raise ConfigurationError(
-            "the page needs aiohttp: pip install 'rig-controller[watch]'"
-        ) from error
+    check_page()
+    from rig.watching.server import serve_run
 
     going_on = live_runs(runs) if run is None else []
     path = going_on[0] if going_on else find_run(run or LATEST, runs)

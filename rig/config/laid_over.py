@@ -40,13 +40,16 @@ def lay_calibrations(
     left where it is. Whether a device wants one is read with the options (`root`), where its
     values go without (`written`).
     """
+    whole = root.get("calibration")
+    refuses_all = whole is not None and whole.value is False
     calibrations: dict[str, Calibration] = {}
     foreign: dict[str, Calibration] = {}
     files: list[Path] = []
     for name, keys, wanted in _calibratable(root) if rig else ():
         below, taken = written.descend(keys)
         choice = wanted.get("calibration")
-        wish = None if choice is None else choice.value
+        # What a device itself says counts; else what the whole profile refuses.
+        wish = choice.value if choice is not None else False if refuses_all else None
         if taken != keys or not isinstance(below.value, dict):
             continue
         if wish is False or isinstance(wish, dict):

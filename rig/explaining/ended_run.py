@@ -17,7 +17,8 @@ from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
 _FELL = "fell"
-_LOOKED_BACK = (_DIAGNOSIS, _FELL, "camera")
+_HUNTS = "hunts"
+_LOOKED_BACK = (_DIAGNOSIS, _FELL, _HUNTS, "camera")
 """Kinds of events that say what a log told once its run had ended."""
 _INJECTED = "injected"
 """Kind of the events that say what a simulation was to break."""
@@ -100,14 +101,18 @@ def explain_run(folder: Path) -> list[Remark]:
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
+    seen = [topic for kind in (_FELL, _HUNTS) if (topic := _topic_of_event(folder, kind))]
     if status == RunStatus.FAILED:
-        fallen = topic_of(next(_messages(folder, _FELL), ""))
-        after = _after_missing(rig, folder) if fallen is None else _remarks(fallen, folder, names)
-        return [*said, *_missed(folder), *after]
+        after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
+        return [*said, *_missed(folder), *(after or _after_missing(rig, folder, names))]
     if status == RunStatus.OK:
+        if seen:
+            return [*said, *_remarks(seen[0], folder, names)]
         return [*said, Remark("means", "It went well; `rig report` draws it again.")]
     if status == RunStatus.ABORTED:
-        return [*said, Remark("means", "Somebody stopped it, and the rig was made safe.")]
+        means = "Somebody stopped it, and the rig was made safe."
+        again = f"`rig report {folder.name}` draws what there is; the same command runs it anew."
+        return [*said, Remark("means", means), Remark("next", again)]
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
         told.reverse()
@@ -179,6 +184,10 @@ def _messages(folder: Path, kind: str) -> Iterator[str]:
     return (event["message"] for event in read_events(folder) if event.get("kind") == kind)
 
 
+def _topic_of_event(folder: Path, kind: str) -> FaultTopic | None:
+    return topic_of(next(_messages(folder, kind), ""))
+
+
 def _looked_back(folder: Path) -> list[Remark]:
     events = [(event.get("kind", ""), event) for event in read_events(folder)]
     return [Remark(kind, event["message"]) for kind, event in events if kind in _LOOKED_BACK]
@@ -218,7 +227,9 @@ def _missed(folder: Path) -> Iterator[Remark]:
         yield Remark("missed", f"{said}; `rig explain {measure}` says what it is")
 
 
-def _after_missing(rig: str | None, folder: Path) -> Iterator[Remark]:
+def _after_missing(
+    rig: str | None, folder: Path, names: Mapping[str, str | None]
+) -> Iterator[Remark]:
     known = _evaluation(folder).get("facts", {})
     missed = [measure for measure, _ in missed_bounds(folder)]
     if missed and all(measure in known for measure in missed):
@@ -227,7 +238,11 @@ def _after_missing(rig: str | None, folder: Path) -> Iterator[Remark]:
             "What was missed is known before anything moves, and no rig changes it: another law, "
             "speed or bound does. `rig check` of the experiment shows what is foreseen.",
         )
-    elif rig is not None:
+        return
+    topic = topic_of("a bound missed")
+    assert topic is not None
+    yield from _remarks(topic, folder, names)
+    if rig is not None:
         yield Remark(
             "next",
             f"Is the rig as its profile says? `rig status {rig}` tells what of it is calibrated "

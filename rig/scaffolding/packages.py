@@ -38,9 +38,9 @@ description: The pair of cylinders, with a law of our own beside the others
 additions: [{0}-for-cylinder]   # without it no code of your package runs
 controllers:
   {0}:                      # the settings of your law
-    proportional: 1e8 Pa/m
-    integral: 5e8 Pa/(m s)
-    derivative: 5e6 Pa s/m
+    proportional: 5e7 Pa/m
+    integral: 2e8 Pa/(m s)
+    derivative: 2.5e6 Pa s/m
 """,
     "driver": """\
 extends: cylinder

@@ -54,7 +54,8 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
                 "singular at the shoulder": "wrist centre 150 mm from the axis of q1",
                 "singular at the elbow": "q3 at -2.692 deg, where the arm is stretched",
                 "singular at the wrist": "q5 at 0 deg",
-                "q4": "-110 to 170 deg, at most 114.6 deg/s",
+                "reach": "wrist centre 311.8 mm to 864.1 mm from the shoulder",
+                "q4 of the laws": "-110 to 170 deg, at most 114.6 deg/s",
             },
         ),
         (
@@ -62,7 +63,7 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
             {
                 "legs": "200 mm from hip to ankle with straight knees",
                 "soles": "58.2 mm ahead of the ankle, 35.8 mm behind it, 62 mm wide",
-                "left ankle_roll": "-24 to 24 deg",
+                "hip_yaw": "left -30 to 90 deg, right -90 to 30 deg",
             },
         ),
     ],

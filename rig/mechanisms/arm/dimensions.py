@@ -9,18 +9,36 @@ from rig.hal.formats import format_quantity
 def described(geometry: ArmGeometry) -> tuple[tuple[str, str], ...]:
     """Return rows of what and value for `rig check`."""
     its = geometry
-    nearest = abs(its.a2 - its.forearm)
+    nearest, farthest = _reach(its)
     return (
         (
             "reach",
-            f"wrist centre {_mm(nearest)} to {_mm(its.reach)} from the shoulder, tool point "
-            f"{_mm(its.d6)} beyond it",
+            f"wrist centre {_mm(nearest)} to {_mm(farthest)} from the shoulder with q3 in its "
+            f"range, tool point {_mm(its.d6)} beyond it",
+        ),
+        (
+            "links",
+            f"shoulder {_mm(its.base_height)} above the base and {_mm(its.a1)} ahead of the axis "
+            f"of q1, {_mm(its.a2)} to the elbow, {_mm(its.forearm)} on to the wrist centre",
         ),
         ("singular at the shoulder", _shoulder(its)),
         ("singular at the elbow", f"{_at(its, 2, -its.elbow_angle)}, where the arm is stretched"),
         ("singular at the wrist", f"{_at(its, 4, 0.0)}, where the axes of q4 and q6 are in line"),
-        *((name, _joint(its, joint)) for joint, name in enumerate(AXIS_NAMES)),
+        *((f"{name} of the laws", _joint(its, joint)) for joint, name in enumerate(AXIS_NAMES)),
     )
+
+
+def _reach(its: ArmGeometry) -> tuple[float, float]:
+    """Return the least and the greatest distance of the wrist's centre from the shoulder, m."""
+    low, high = (angle + its.elbow_angle for angle in (its.position_min[2], its.position_max[2]))
+    # The distance falls with the elbow's angle from 0 to half a turn, and rises beyond.
+    turns = range(math.ceil(low / math.pi), math.floor(high / math.pi) + 1)
+    angles = [low, high, *(turn * math.pi for turn in turns)]
+    ways = [
+        math.sqrt(max(its.a2**2 + its.forearm**2 + 2.0 * its.a2 * its.forearm * math.cos(q), 0.0))
+        for q in angles
+    ]
+    return min(ways), max(ways)
 
 
 def _shoulder(its: ArmGeometry) -> str:

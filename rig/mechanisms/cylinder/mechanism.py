@@ -20,7 +20,7 @@ from rig.hal import (
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
 from rig.hal.hindsight import Suspect
-from rig.hal.motion import Motion
+from rig.hal.motion import Motion, Note
 from rig.hal.picking import DevicePicker
 from rig.hal.quantities import Expected, Margin
 from rig.mechanisms.cylinder.jumps import check_jump
@@ -282,6 +282,12 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         from rig.mechanisms.cylinder.hindsight import pair_suspects
 
         return pair_suspects(logged, self.settings)
+
+    def remarks(self, logged: "Logged") -> tuple[Note, ...]:
+        """Return that the pair never came to rest, if so; see `Mechanism.remarks`."""
+        from rig.mechanisms.pneumatic.hunting import remarks_on_hunting
+
+        return remarks_on_hunting(logged, {"the pair": ("reference.position", "reading.position")})
 
     def resting_command(self, state: PairState) -> PairCommand:
         """Return the measured pressures, within the permitted range."""

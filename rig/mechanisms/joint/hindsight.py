@@ -1,4 +1,4 @@
-"""The joint's log as its diagnosis takes it."""
+"""The joint's log as its diagnosis takes it, and what else it tells."""
 
 from functools import partial
 from typing import TYPE_CHECKING
@@ -7,14 +7,20 @@ import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
 from rig.hal.hindsight import Suspect
+from rig.hal.motion import Note
+from rig.mechanisms.joint.camera_latency import remark_on_latency
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.wire_causes import wire_causes
 from rig.mechanisms.pneumatic.diagnosis.evidence import Signals
 from rig.mechanisms.pneumatic.hindsight import stacked, suspects
+from rig.mechanisms.pneumatic.hunting import remarks_on_hunting
 
 if TYPE_CHECKING:
+    from rig.hal.devices import MarkerCamera
     from rig.hal.hindsight import Logged
+
+_RODS = {f"the rod of {n}": (f"reference.rod_{n}", f"reading.rod_{n}") for n in CHANNELS}
 
 
 def joint_suspects(logged: "Logged", settings: JointSettings) -> tuple[Suspect, ...]:
@@ -33,3 +39,9 @@ def joint_suspects(logged: "Logged", settings: JointSettings) -> tuple[Suspect, 
     )
     of_wires = partial(wire_causes, settings=settings)
     return suspects(signals, CHANNELS, PAIRS, settings, of_wires)
+
+
+def joint_remarks(logged: "Logged", camera: "MarkerCamera | None") -> tuple[Note, ...]:
+    """Return which rods never came to rest, and that the camera's latency is wrong, if it is."""
+    latency = () if camera is None else remark_on_latency(logged, camera.name, camera.latency)
+    return (*remarks_on_hunting(logged, _RODS), *latency)

@@ -278,12 +278,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         return joint_suspects(logged, self.settings)
 
     def remarks(self, logged: "Logged") -> tuple[Note, ...]:
-        """Return that the camera's latency is wrong, if it is; see `Mechanism.remarks`."""
-        if self._camera is None:
-            return ()
-        from rig.mechanisms.joint.camera_latency import remark_on_latency
+        """Return which rods never rest, and a camera's wrong latency; see `Mechanism.remarks`."""
+        from rig.mechanisms.joint.hindsight import joint_remarks
 
-        return remark_on_latency(logged, self._camera.name, self._camera.latency)
+        return joint_remarks(logged, self._camera)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""

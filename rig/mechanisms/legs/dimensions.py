@@ -10,6 +10,7 @@ def described(geometry: LegGeometry) -> tuple[tuple[str, str], ...]:
     """Return rows of what and value for `rig check`."""
     its, sole = geometry, geometry.sole
     length = its.thigh + its.shank
+    ranges = its.limits
     return (
         ("legs", f"{_mm(length)} from hip to ankle with straight knees, where they are singular"),
         (
@@ -22,13 +23,17 @@ def described(geometry: LegGeometry) -> tuple[tuple[str, str], ...]:
             f"{_mm(sole.front)} ahead of the ankle, {_mm(sole.back)} behind it, "
             f"{_mm(2.0 * sole.half_width)} wide",
         ),
-        ("mass", format_quantity(its.masses.total, "kg")),
+        ("mass of the robot", format_quantity(its.masses.total, "kg")),
         *(
-            (f"left {name}", f"{math.degrees(low):.4g} to {math.degrees(high):.4g} deg")
-            for name, low, high in zip(JOINTS, its.min_angle, its.max_angle, strict=True)
+            (name, f"left {_range(*left)}, right {_range(*right)}")
+            for name, left, right in zip(JOINTS, ranges[6:], ranges[:6], strict=True)
         ),
         ("any joint", f"at most {math.degrees(its.max_rate):.4g} deg/s"),
     )
+
+
+def _range(low: float, high: float) -> str:
+    return f"{math.degrees(low):.4g} to {math.degrees(high):.4g} deg"
 
 
 def _mm(length: float) -> str:

@@ -34,6 +34,14 @@ def test_options_win_over_calibration_and_can_switch_it_off(configs):
     assert (without.settings.offset, without.calibration) == (0.0, None)
 
 
+def test_a_whole_profile_goes_without_its_devices_calibrations_too(configs):
+    configs.calibrate()
+    without = configs.profile("bench", "calibration=false").devices["encoder"]
+    assert (without.settings.offset, without.calibration) == (0.0, None)
+    but_one = ("calibration=false", "devices.encoder.calibration=true")
+    assert configs.profile("bench", *but_one).devices["encoder"].settings.offset == 0.12e-3
+
+
 def test_a_resolved_profile_is_not_calibrated_twice(configs):
     configs.calibrate()
     profile = configs.profile()

@@ -40,7 +40,7 @@ class Shifted(LimitExceeded):
     """A way while the chambers fill."""
 
 
-class _Turns:
+class Turns:
     """Finds where a signal turns round, beyond a distance that it has to come back."""
 
     def __init__(self, distance: float) -> None:
@@ -74,8 +74,8 @@ class _Swings:
         self._slowest = alarm.slowest
         self._enough = alarm.swings
         self._following = following
-        self._error = _Turns(alarm.amplitude)
-        self._wanted = _Turns(_TURN * alarm.amplitude)
+        self._error = Turns(alarm.amplitude)
+        self._wanted = Turns(_TURN * alarm.amplitude)
         self._turned: list[tuple[float, float]] = []
         self.size = math.nan
         """Of the last swing from one extreme to the next, m."""
