@@ -20,6 +20,8 @@ _SWING = 0.3e-3
 """m peak to peak: three times what swings in any of the shipped experiments."""
 _SWINGS = 6
 """From one extreme to the next; fewer may be what a step has left behind."""
+_KEPT = 0.5
+"""What dies away is below this share of what it was at first."""
 _STEP = 0.005
 """s between the samples that are looked at: loops swing more slowly than 20 Hz."""
 _LOOK = 0.05
@@ -107,8 +109,9 @@ def hunts_of(t: "Array", goal: "Array", error: "Array") -> list[Hunt]:
             for at, value in zip(t[first:last].tolist(), error[first:last].tolist(), strict=True)
             if (extreme := turns.update(value)) is not None
         ][1:]  # the first is where the rod came from
-        if len(extremes) > _SWINGS:
-            (start, _), (end, _) = extremes[0], extremes[-1]
-            size = float(np.mean(np.abs(np.diff([value for _, value in extremes]))))
-            found.append(Hunt(start, end, 0.5 * (len(extremes) - 1) / (end - start), size))
+        sizes = np.abs(np.diff([value for _, value in extremes]))
+        if len(sizes) < _SWINGS or sizes[-3:].mean() < _KEPT * sizes[:3].mean():
+            continue
+        (start, _), (end, _) = extremes[0], extremes[-1]
+        found.append(Hunt(start, end, 0.5 * len(sizes) / (end - start), float(sizes.mean())))
     return found
