@@ -126,16 +126,20 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequ
             f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there, "
             f"the worst of them: {now.losses}"
         )
-    if now.robust < ENOUGH:
-        found.append(
-            f"only {100 * now.robust:.0f} % of {len(now.margins)} drawn plants keep a sensitivity "
-            f"of at most {SENSITIVITY:g}"
-        )
+    if now.robust < ENOUGH and now.robust <= before.robust:
+        found.append(f"bound missed: {_margin(now, before)}")
     if now.cost >= before.cost:
         found.append(f"they cost {now.cost:.3f}, those in force {before.cost:.3f}")
     if not before.lost:
         found += [f"worse than before, {bound}" for bound in _missed(now, before, unit, worse=True)]
     return found
+
+
+def _margin(now: EnsembleVerdict, before: EnsembleVerdict) -> str:
+    return (
+        f"only {now.robust:.3g} of {len(now.margins)} drawn plants keep a sensitivity of at most "
+        f"{SENSITIVITY:g}, and {ENOUGH:g} are asked for (before: {before.robust:.3g})"
+    )
 
 
 def _missed(
@@ -179,6 +183,8 @@ def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence
         *_missed(now, before, unit, worse=False),
         *(_missed(now, before, unit, worse=True) if before.lost else ()),
     ]
+    if before.robust < now.robust < ENOUGH:
+        found.insert(0, f"bound missed, though by less than before: {_margin(now, before)}")
     worse = [
         f"{name} {text(old)} to {text(new)}"
         for name, old, new in _compared(now, before)

@@ -82,3 +82,24 @@ def test_reversals_have_a_bound_too_and_gains_that_keep_it_all_are_not_talked_ab
     assert trades(quiet, quiet._replace(cost=2.0), "m") == []
     (missed,) = objections(measured(0.05e-3, 1e-3, 2e-3, reversals=26.0, cost=0.5), quiet, "m")
     assert missed.startswith("worse than before, bound missed: 26.0 reversals a second")
+
+
+def with_margin(now, of):
+    """Return gains that keep the margin on so many of 200 plants."""
+    kept, lost = (SimpleNamespace(stable=True, sensitivity=peak) for peak in (1.5, 1.9))
+    return now._replace(margins=(kept,) * of + (lost,) * (200 - of))
+
+
+def test_gains_that_lack_margin_by_less_than_those_in_force_are_put_in_force_and_say_so():
+    """98 % of plants instead of 54 % is better, though 99 % are asked for."""
+    before = with_margin(measured(1e-3, 1.2e-3, 2.8e-3, cost=1.1), 108)
+    now = with_margin(measured(0.05e-3, 1.0e-3, 2.0e-3, cost=-0.3), 196)
+    assert not objections(now, before, "m")
+    assert trades(now, before, "m") == [
+        "bound missed, though by less than before: only 0.98 of 200 drawn plants keep a "
+        "sensitivity of at most 1.7, and 0.99 are asked for (before: 0.54)"
+    ]
+    (said,) = objections(now, with_margin(before, 198), "m")
+    assert said.startswith("bound missed: only 0.98 of 200 drawn plants")
+    assert objections(now, with_margin(before, 196), "m")
+    assert not objections(with_margin(now, 198), with_margin(before, 200), "m")
