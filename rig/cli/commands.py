@@ -62,7 +62,7 @@ def invoke(arguments: list[str] | None = None) -> int:
     code, error = _invoked(arguments)
     if error and "--json" in words and printed_so_far() == printed:
         print_json({"error": error, "exit": code})
-    if error and words[:1] == ["run"]:
+    if error and words[:1] not in ([], ["explain"]):
         from rig.explaining.refused_run import REFUSED, keep_refusal
 
         if code in REFUSED:

@@ -20,15 +20,14 @@ def confirm(rig: str, yes: str | None) -> bool:
     Raises
     ------
     ConfigurationError
-        There is nobody to ask.
+        There is nobody to ask, or another rig was named.
     """
     from rig.hal import ConfigurationError
 
     if yes is not None:
         if yes == rig:
             return True
-        click.echo(f"--yes {yes}: this is the rig {rig}", err=True)
-        return False
+        raise ConfigurationError(f"--yes {yes}: this is the rig {rig}")
     if not sys.stdin.isatty():
         raise ConfigurationError(f"there is no terminal to ask: say --yes {rig}")
     if (

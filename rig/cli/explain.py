@@ -120,15 +120,24 @@ def _is_path_of_run(word: str) -> bool:
     return is_folder(path) and ("/" in word or is_file(path / MANIFEST))
 
 
+_LOWER = ".min"
+"""Behind the name of a metric: its lower bound."""
+
+
 def _known(word: str) -> Sequence[tuple[str, str]]:
     """Return what is known of a word: its own meanings, or those of the keys that end with it."""
     from rig.cli.command_table import COMMANDS
     from rig.explaining.exit_codes import EXIT_CODES
     from rig.explaining.faults import fault_topics, refusal_topics
 
+    if word.endswith(_LOWER):  # of a metric with both bounds
+        return _known(word.removesuffix(_LOWER))
     for topic in (*fault_topics(), *refusal_topics()):
         if topic.name == word:
-            return topic.remarks()
+            from rig.explaining.glossary import without_keys
+
+            measures = [w for w in without_keys() if w.name == word]
+            return [*topic.remarks(), *((_title(w), w.text) for w in measures)]
     if word in COMMANDS:
         return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
     if word in EXIT_CODES:

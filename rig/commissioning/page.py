@@ -36,6 +36,7 @@ def write_page(configs: Path, record: Content, steps: Sequence[AcceptanceStep]) 
     )
     path = configs / FOLDER / f"{record['rig']}.html"
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)  # of a record that was kept elsewhere
         write_whole(path, text)
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, NotRequired, TypedDict, cast
 
 from rig.config import Profile
-from rig.config.calibration import check_seal, seal
+from rig.config.calibration import HARDWARE, check_seal, seal
 from rig.config.diagnostics import Problems
 from rig.config.dump import plain_of
 from rig.config.ownership import is_owner, owner_label
@@ -46,6 +46,7 @@ class _Record(TypedDict):
     digest: str
     steps: dict[str, _Step]
     profile: NotRequired[str]
+    seed: NotRequired[int]
 
 
 class CommissioningState(NamedTuple):
@@ -164,6 +165,8 @@ def new_record(
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "valid_until": until,
         "backend": backend,
+        # Of a simulation: another seed is another unit of the rig.
+        **({} if backend == HARDWARE else {"seed": profile.simulation.seed}),
         "program": _version(),
         "settings": tested_settings(profile),
         "digest": "",

@@ -86,7 +86,8 @@ def begin(
     new = new_record(
         profile, circumstances.backend, circumstances.operator, until.isoformat(), search
     )
-    if kept is None or any(kept[key] != new[key] for key in ("backend", "settings", "program")):
+    same = ("backend", "seed", "settings", "program")
+    if kept is None or any(kept.get(key) != new.get(key) for key in same):
         return new
     return dict(kept)
 

@@ -1,4 +1,4 @@
-"""The last `rig run` that was refused: it left no run folder, and is what somebody asks about."""
+"""The last command that was refused: it left no run folder, and is what somebody asks about."""
 
 import contextlib
 import shlex
@@ -19,6 +19,8 @@ from rig.typed_json import read_json
 REFUSED = (2, 3)
 """Exit codes of a run that was refused: usage or configuration, device or preflight."""
 _OPTIONS = ("--out", "--runs")
+_MOST = 50
+"""So many folders have their last refusal kept."""
 _MEANS = {
     2: "A file, an option or code of yours is wrong. Nothing was run, and nothing has moved.",
     3: "A device or the preflight says no. Nothing was energised.",
@@ -26,9 +28,8 @@ _MEANS = {
 
 
 class _Kept(TypedDict):
-    """The content of the file."""
+    """A refusal in the file, by the folder of runs that it would have gone to."""
 
-    runs: str
     command: list[str]
     code: int
     message: str
@@ -70,7 +71,8 @@ class RefusedRun(NamedTuple):
             ),
             Remark("message", self.message),
         ]
-        topic = (topic_of if self.code == 3 else refusal_of)(self.message)
+        tellers = (topic_of, refusal_of) if self.code == 3 else (refusal_of,)
+        topic = next((found for tell in tellers if (found := tell(self.message))), None)
         if topic is not None:
             told += [Remark(*pair) for pair in topic.remarks()]
         else:
@@ -84,7 +86,7 @@ class RefusedRun(NamedTuple):
 
 
 def keep_refusal(words: Sequence[str], code: int, message: str, began: float) -> None:
-    """Keep what a `rig run` was refused with; the one before is forgotten.
+    """Keep what a command was refused with; the one before, of the same runs, is forgotten.
 
     It is a convenience: where it cannot be kept, nothing is said of that. A run that has left a
     folder and ended by somebody's code is none: its folder says what happened.
@@ -106,16 +108,26 @@ def keep_refusal(words: Sequence[str], code: int, message: str, began: float) ->
         if any(read_manifest(run).get("started", "") >= since for run in list_runs(runs)[:1]):
             return
     kept: _Kept = {
-        "runs": str(runs.absolute()),
         "command": list(words),
         "code": code,
         "message": message,
         "when": datetime.now(UTC).isoformat(timespec="milliseconds"),
     }
     path = _path()
+    others = _kept()
+    others.pop(str(runs.absolute()), None)
+    newest = dict([*others.items(), (str(runs.absolute()), kept)][-_MOST:])
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_json(path, kept)
+        write_json(path, newest)
+
+
+def _kept() -> dict[str, _Kept]:
+    """Return what is kept; nothing if nobody was refused, or somebody has spoilt it."""
+    try:
+        return read_json(_path(), dict[str, _Kept])
+    except (ConfigurationError, OSError):
+        return {}
 
 
 def last_refusal(runs: Path) -> tuple[RefusedRun | None, Path | None]:
@@ -132,11 +144,8 @@ def last_refusal(runs: Path) -> tuple[RefusedRun | None, Path | None]:
         The folder cannot be read.
     """
     newest = next(iter(list_runs(runs)), None)
-    try:
-        kept = read_json(_path(), _Kept)
-    except (ConfigurationError, OSError):  # none was, or somebody has spoilt it
-        return None, newest
-    if kept["runs"] != str(runs.absolute()) or kept["code"] not in REFUSED:
+    kept = _kept().get(str(runs.absolute()))
+    if kept is None or kept["code"] not in REFUSED:
         return None, newest
     if newest is not None and read_manifest(newest).get("started", "") >= kept["when"]:
         return None, newest
@@ -151,10 +160,11 @@ def _path() -> Path:
 def _runs_of(words: Sequence[str]) -> Path:
     """Return where a command line would have put its run; click may not have come so far."""
     found = RUNS
+    options = _OPTIONS if words[:1] == ["run"] else _OPTIONS[1:]  # another's --out may be a file
     for place, word in enumerate(words):
         name, sign, value = word.partition("=")
-        if name in _OPTIONS and sign:
+        if name in options and sign:
             found = Path(value)
-        elif word in _OPTIONS and place + 1 < len(words):
+        elif word in options and place + 1 < len(words):
             found = Path(words[place + 1])
     return found

@@ -40,13 +40,29 @@ def table_of(figure: "Figure") -> str:
 def _of(axes: "Axes", panel: int) -> Iterator[tuple[str, list[str]]]:
     title = axes.get_title() or axes.get_title(loc="left")
     place = f"panel {panel}" + (f" ({title})" if title else "")
-    names = [axes.get_xlabel(), axes.get_ylabel(), *_depth(axes)]
+    names = [_along(axes), axes.get_ylabel(), *_depth(axes)]
     for number, line in enumerate(axes.lines, 1):
         label = str(line.get_label())
         name = f"line {number}" if label.startswith("_") else label
-        for axis, values in zip(names, _values(line), strict=False):
+        for axis, values, said in zip(names, _values(line), _said(axes, line), strict=False):
+            if not said:
+                continue
             header = ", ".join(filter(None, (place, name, axis)))
             yield " ".join(header.split()), [f"{value:.9g}" for value in values]
+
+
+def _along(axes: "Axes") -> str:
+    """Return the name of the horizontal axis; of panels above each other the lowest says it."""
+    siblings = axes.get_shared_x_axes().get_siblings(axes)
+    return next(filter(None, (each.get_xlabel() for each in [axes, *siblings])), "")
+
+
+def _said(axes: "Axes", line: "Line2D") -> tuple[bool, bool, bool]:
+    """Return along which axes a line says something: one across the panel only along the other."""
+    if not line.get_transform().contains_branch(axes.transData):
+        x, y = line.get_transform().contains_branch_seperately(axes.transData)
+        return x, y, True
+    return True, True, True
 
 
 def _depth(axes: "Axes") -> list[str]:
