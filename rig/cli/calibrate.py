@@ -129,8 +129,8 @@ def calibrate(rig: str, **options: Any) -> int:
         print_json(done)
     if code:
         return code
-    if options["on"] == "hardware":
-        tell_next(load_profile(rig, REGISTRY, options["overrides"], search), search)
+    profile = load_profile(rig, REGISTRY, options["overrides"], search)
+    tell_next(profile, search, simulated=options["on"] != "hardware")
     return 0
 
 

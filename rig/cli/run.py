@@ -25,6 +25,7 @@ from rig.cli.patience import told_if_long
 from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
+    from rig.config import Profile
     from rig.experiment.run import Result
 
 
@@ -109,7 +110,7 @@ def run(
     from rig.cli.watched_run import WatchedRun
     from rig.config.names import find_configs
     from rig.config.setting import Setting
-    from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
+    from rig.experiment.ending import EXIT_MISSED, EXIT_OK, EXIT_PREFLIGHT, EXIT_USAGE
     from rig.experiment.plan import load_plan, simulated_otherwise
     from rig.experiment.run import run_experiment
     from rig.run_names import find_run
@@ -190,12 +191,21 @@ def run(
     ):
         asking = f"rig check {plan.profile.argument} --on {on}"
         click.echo(f"who answers on the bus is told by: {asking}", err=True)
-    if backend_of(on) is Backend.HARDWARE and result.exit_code == 0 and not as_json:
-        from rig.cli.status import tell_next
-        from rig.commissioning.permission import configs_of
-
-        tell_next(plan.profile, configs_of(plan.profile))
+    if not as_json and result.exit_code in (EXIT_OK, EXIT_MISSED):
+        _tell_next(plan.profile, simulated=simulated, passed=result.exit_code == 0)
     return result.exit_code
+
+
+def _tell_next(profile: Profile, *, simulated: bool, passed: bool) -> None:
+    """Say what comes next: of a rig of the user's own, and on hardware of any that did well."""
+    from rig.cli.status import tell_next
+    from rig.commissioning.permission import configs_of
+    from rig.config.names import SHIPPED
+
+    its = [path.resolve() for path in profile.files[:1]]
+    is_own = any(SHIPPED not in path.parents for path in its)
+    if is_own if simulated else passed:
+        tell_next(profile, configs_of(profile), simulated=simulated, has_run=True)
 
 
 def _names_a_device(message: str | None, devices: Collection[str]) -> bool:

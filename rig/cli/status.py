@@ -82,9 +82,9 @@ def status(
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(title, ("what", "state"), rows)])
     if following:
-        click.echo(f"next: {following}", err=True)
+        click.echo(f"next: {_with_reason(following, steps)}", err=True)
     if simulated is not None and simulated != following:
-        click.echo(f"next in simulation: {simulated}", err=True)
+        click.echo(f"next in simulation: {_with_reason(simulated, steps)}", err=True)
     return 0
 
 
@@ -152,13 +152,29 @@ def _entries_of(
     return found
 
 
-def tell_next(profile: Profile, search: Sequence[Path]) -> None:
-    """Say which command comes next on a rig's way to hardware, and why."""
-    for stage in way(profile, search):
-        if stage.remedy:
-            click.echo(f"next: {stage.remedy}  ({stage.what}: {stage.state})", err=True)
-            return
-    click.echo(f"next: {_RUN}  (nothing is missing)", err=True)
+def tell_next(
+    profile: Profile, search: Sequence[Path], *, simulated: bool = False, has_run: bool = False
+) -> None:
+    """Say which command comes next on a rig's way to hardware, or in simulation, and why.
+
+    After a simulated run (`has_run`) nobody need be told to run.
+    """
+    steps = way(profile, search)
+    if not simulated:
+        click.echo(f"next: {_with_reason(_following(steps), steps)}", err=True)
+        return
+    following = _in_simulation(profile, search, steps)
+    if following is not None and not (has_run and following.startswith("rig run")):
+        click.echo(f"next in simulation: {_with_reason(following, steps)}", err=True)
+
+
+def _with_reason(command: str, steps: Sequence[Milestone]) -> str:
+    """Return a command with the milestone that asks for it."""
+    for step in steps:
+        if step.remedy == command:
+            return f"{command}  ({step.what}: {step.state})"
+    calibrates = command.startswith("rig calibrate")
+    return f"{command}  ({'not all is calibrated' if calibrates else 'nothing is missing'})"
 
 
 def _valid(profile: Profile) -> list[Milestone]:

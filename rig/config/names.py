@@ -16,6 +16,9 @@ SUFFIXES: Final = (".yaml", ".yml")
 _SINGULAR: Final = {"rigs": "rig", "experiments": "experiment"}
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,63}")
 
+SHIPPED = Path(__file__).resolve().parents[2] / "configs"
+"""The configurations that come with the program."""
+
 
 def is_name(text: str) -> bool:
     """Return whether a text may name a rig, bus or device: it may become a file's name."""
@@ -44,7 +47,7 @@ def find_configs(given: Path | None = None) -> tuple[Path, ...]:
         if not is_folder(given):
             raise ConfigurationError(f"{given} is not a folder with configurations")
         return (given,)
-    candidates = (Path("configs"), Path(__file__).resolve().parents[2] / "configs")
+    candidates = (Path("configs"), SHIPPED)
     found = {path.resolve(): path for path in reversed(candidates) if path.is_dir()}
     return tuple(reversed(found.values()))
 

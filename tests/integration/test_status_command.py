@@ -132,7 +132,10 @@ def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
     def following():
         found = show(configs)
         shown = json.loads(show(configs, "--json").stdout)["next_in_simulation"]
-        assert f"next in simulation: {shown}" in found.stderr.splitlines()
+        (told,) = [s for s in found.stderr.splitlines() if s.startswith("next in simulation: ")]
+        command, _, why = told.removeprefix("next in simulation: ").partition("  (")
+        assert command == shown
+        assert len(why) > 10  # and why
         return shown
 
     assert following() == "rig calibrate cylinder --all"

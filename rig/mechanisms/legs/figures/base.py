@@ -54,7 +54,8 @@ def mark_phases(axes: "Axes", run: RunData, most: int = _MOST_TICKS) -> None:
             axes.axvspan(
                 phase.start, min(phase.end, float(run.time[-1])), color=SHADE, lw=0, zorder=0
             )
-    instants = sorted({0.0, *(min(phase.end, float(run.time[-1])) for phase in phases)})
+    ends = [phase.end if phase.end <= end else float(run.time[-1]) for phase in phases]
+    instants = sorted({0.0, *ends})
     if len(phases) > 1 and len(instants) <= most:
         axes.set_xticks(instants, labels=[f"{instant:.3g}" for instant in instants])
 
