@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -86,7 +87,7 @@ def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[s
             return refusal.remarks(newest)
     if word == LATEST or is_folder(runs / word) or _is_path_of_run(word):
         return explain_run(find_run(word, runs))
-    known = _known(word)
+    known = _known(word) or _known(_OWN_NAME.sub(r"\1.NAME.\2", word))
     if known:
         return known
     from rig.explaining.columns import columns_called
@@ -120,6 +121,8 @@ def _is_path_of_run(word: str) -> bool:
     return is_folder(path) and ("/" in word or is_file(path / MANIFEST))
 
 
+_OWN_NAME = re.compile(r"^(devices|buses|controllers|metrics)\.[^.]+\.(.+)$")
+"""A key as `--set` and `rig check --values` have it, by the name that somebody gave."""
 _LOWER = ".min"
 """Behind the name of a metric: its lower bound."""
 

@@ -121,7 +121,11 @@ def judge(wakeups: Wakeups, under: str) -> Look:
     )
     if wakeups.p999 <= _GOOD * period and not wakeups.missed:
         return Look(what, found, Fitness.OK)
-    mend = "mend what is poor above; a kernel with PREEMPT_RT; loop.cpu on an isolated processor"
+    mend = (
+        "`ulimit -r 99` and `cpupower frequency-set -g performance`, if poor above; then "
+        "`apt install linux-image-rt-amd64` (PREEMPT_RT), and loop.cpu on a processor that "
+        "`isolcpus=` keeps free"
+    )
     if wakeups.p99 <= period:
         return Look(what, found, Fitness.POOR, mend)
     return Look(what, found, Fitness.NO, f"{mend}; a lower loop.rate")

@@ -19,6 +19,7 @@ Whether a `DeviceError` means "never energised" (3) or "fault while running" (4)
 depends on when it comes, so the runtime decides that, not the class.
 """
 
+import math
 from collections.abc import Sequence
 
 from rig.hal.formats import format_outside
@@ -189,8 +190,10 @@ class StaleReading(SafetyError):
         self.device = device
         self.age = age
         self.bound = bound
+        # Rounded up: one that is older by a microsecond is not as old as is allowed.
+        shown = math.ceil(age * 1e4 - 1e-9) / 10.0
         super().__init__(
-            f"{device}: the last reading is {age * 1e3:.1f} ms old, "
+            f"{device}: the last reading is {shown:.1f} ms old, "
             f"at most {bound * 1e3:.1f} ms is allowed"
         )
 
