@@ -19,6 +19,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    uncommissioned_option,
     with_seed,
     yes_option,
 )  # fmt: skip
@@ -55,6 +56,7 @@ _ENDINGS = {"failed": "bound missed"}
 @out_option
 @configs_option
 @json_option
+@uncommissioned_option
 @yes_option
 def compare(
     experiment: str,
@@ -67,6 +69,7 @@ def compare(
     out: Path,
     configs: Path | None,
     as_json: bool,
+    uncommissioned: str | None,
     yes: str | None,
 ) -> int:
     """Run EXPERIMENT once under each controller or setting; one table, one figure.
@@ -83,13 +86,22 @@ def compare(
     options = with_seed(overrides, seed)
     with told_if_long("planning the motion"):
         plan = load_plan(experiment, options, rig=rig_name, configs=configs)
-    if not may_move(plan, backend, yes):
+    if not may_move(plan, backend, yes, uncommissioned):
         return 2
     names: tuple[str, ...] = (plan.experiment.controller,)
     if controllers is not None or vary is None:
         names = _chosen(controllers, tuple(plan.profile.controllers))
     asked = [
-        Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
+        Job(
+            label,
+            experiment,
+            (*options, *own),
+            rig_name,
+            configs,
+            backend,
+            out,
+            uncommissioned=uncommissioned,
+        )
         for label, own in _variants(names, vary)
     ]
     with told_if_long("planning it under each of them"):

@@ -39,6 +39,7 @@ class Job(NamedTuple):
     backend: str
     out: Path
     loop: str = ""  # what a linear model says of it; empty: nothing
+    uncommissioned: str | None = None  # why hardware goes all out that is not commissioned
 
 
 class Ended(NamedTuple):
@@ -256,7 +257,10 @@ def _run(job: Job, *, watched: bool = False) -> Ended:
     backend = Backend(job.backend)
     if watched:
         with ProgressLine(job.label, job.backend) as line:
-            result = run_experiment(plan, backend, job.out, overrides=job.options, watcher=line)
+            result = run_experiment(
+                plan, backend, job.out, overrides=job.options, watcher=line,
+                uncommissioned=job.uncommissioned,
+            )  # fmt: skip
     else:
         result = run_experiment(plan, backend, job.out, overrides=job.options, watcher=Telling())
     return Ended(result.path, result.status, result.exit_code, result.message, bool(result.metrics))

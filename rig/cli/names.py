@@ -186,4 +186,9 @@ out_beside_runs_option = click.option(
 yes_option = click.option(
     "--yes", metavar="NAME", help="The rig's name: on hardware, in the place of typing it."
 )
+uncommissioned_option = click.option(
+    "--uncommissioned",
+    metavar="REASON",
+    help="All of the speed and the effort from hardware that is not commissioned; kept in the run.",
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")

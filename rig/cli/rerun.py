@@ -11,6 +11,7 @@ from rig.cli.names import (
     json_option,
     out_beside_runs_option,
     runs_beside_out_option,
+    uncommissioned_option,
     yes_option,
 )
 from rig.cli.tables import print_data, print_json, visible
@@ -22,9 +23,18 @@ from rig.run_names import find_run
 @runs_beside_out_option
 @out_beside_runs_option
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
+@uncommissioned_option
 @yes_option
 @json_option
-def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None, as_json: bool) -> int:
+def rerun(
+    run: str,
+    runs: Path,
+    out: Path,
+    no_report: bool,
+    uncommissioned: str | None,
+    yes: str | None,
+    as_json: bool,
+) -> int:
     """Run RUN again from its folder alone, and say whether the same came of it.
 
     Profile, calibrations and experiment are those in the folder. In simulation, with the same
@@ -40,11 +50,11 @@ def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None, as_
 
     repeat = Repeat(path)
     on = repeat.on or repeat.backend.value
-    if not may_move(repeat.plan, on, yes):
+    if not may_move(repeat.plan, on, yes, uncommissioned):
         return 2
     line = ProgressLine(repeat.plan.experiment.name, on)
     with line:
-        result = repeat.run(out, line, report=not no_report)
+        result = repeat.run(out, line, report=not no_report, uncommissioned=uncommissioned)
     made = difference = None
     if repeat.backend.is_simulated and result.path.joinpath("log.mcap").exists():
         made = RunFolder.open(result.path)

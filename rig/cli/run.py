@@ -17,6 +17,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    uncommissioned_option,
     with_seed,
     yes_option,
 )  # fmt: skip
@@ -72,10 +73,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
     "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
     help="Times real time that a simulation runs at most; 1 with --watch or a gamepad.",
 )  # fmt: skip
-@click.option(
-    "--uncommissioned", metavar="REASON",
-    help="All of the speed and the effort from hardware that is not commissioned; kept in the run.",
-)  # fmt: skip
+@uncommissioned_option
 @yes_option
 def run(
     experiment: str,

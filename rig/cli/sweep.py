@@ -22,6 +22,7 @@ from rig.cli.names import (
     json_option,
     rig_option,
     set_option,
+    uncommissioned_option,
     yes_option,
 )
 from rig.cli.tables import Table, print_json, print_tables
@@ -65,6 +66,7 @@ _TOLD = {"failed": "missed a bound"}
 )
 @configs_option
 @json_option
+@uncommissioned_option
 @yes_option
 def sweep(
     experiment: str,
@@ -86,6 +88,7 @@ def sweep(
     runs: Path | None,
     configs: Path | None,
     as_json: bool,
+    uncommissioned: str | None,
     yes: str | None,
 ) -> int:
     """Run EXPERIMENT under many settings; leave a table, a figure and a page.
@@ -134,12 +137,13 @@ def sweep(
         axes=(*file.axes, *map(parse_axis, axes)),
         options=(*file.options, *overrides),
         serial=serial,
+        uncommissioned=uncommissioned,
     ).checked()
     if request.serial:
         first = make_design(request.axes, request.seeds, request.draw_seed).options(0)
         options = (*request.options, *first)
         plan = load_plan(request.experiment, options, rig=request.rig, configs=request.configs)
-        if not may_move(plan, request.on, yes):
+        if not may_move(plan, request.on, yes, uncommissioned):
             return 2
     with _ended_as_interrupted():
         found = run_sweep(request, SweepProgress)

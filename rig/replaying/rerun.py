@@ -47,7 +47,9 @@ class Repeat:
         self.on = on if on not in list(Backend) else None
         """Other CAN interfaces than the backend's own, if it ran on some."""
 
-    def run(self, out: Path, watcher: Watcher, *, report: bool) -> Result:
+    def run(
+        self, out: Path, watcher: Watcher, *, report: bool, uncommissioned: str | None = None
+    ) -> Result:
         """Run it; the new folder's command repeats this one."""
         return run_experiment(
             self.plan,
@@ -56,5 +58,6 @@ class Repeat:
             on=self.on,
             watcher=watcher,
             report=report,
+            uncommissioned=uncommissioned,
             command=("rig", "rerun", str(self.folder.path.resolve())),
         )

@@ -72,6 +72,7 @@ def perform(job: PointJob) -> PointFinding:
         result = run_experiment(
             plan, Backend(job.source.backend), place,
             overrides=(*job.source.options, *job.options), report=False,
+            uncommissioned=job.source.uncommissioned,
         )  # fmt: skip
     except RigError as error:
         _refuse_if_outside(str(error), job)

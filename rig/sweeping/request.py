@@ -65,6 +65,8 @@ class SweepRequest:
         The metric that the best points are best in; default: the first one.
     keep : int
         Of how many of the best the run folder is kept; -1: of all.
+    uncommissioned : str, optional
+        Why hardware that is not commissioned goes at its whole speed.
     """
 
     experiment: str
@@ -86,6 +88,7 @@ class SweepRequest:
     points: float | None = None
     best: str | None = None
     keep: int = 3
+    uncommissioned: str | None = None
 
     @property
     def folder(self) -> Path:

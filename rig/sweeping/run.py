@@ -111,7 +111,9 @@ def _checked_source(
     """Copy the configurations; return where points come from, after a look at all of the axes."""
     name = freeze_configs(request.experiment, request.configs, configs)
     options = (*_rig_by_path(request), *request.options)
-    source = PointSource(name, options, request.rig, request.on, code.digest)
+    source = PointSource(
+        name, options, request.rig, request.on, code.digest, request.uncommissioned
+    )
     check_axes(source, design, configs)
     first = resolve(source, design.options(0), configs)
     _check_metrics(request, first.experiment, first.profile.mechanism)

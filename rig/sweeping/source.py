@@ -40,6 +40,8 @@ class PointSource(NamedTuple):
         What it runs on.
     code : str
         The version of the code.
+    uncommissioned : str, optional
+        See `SweepRequest`.
     """
 
     experiment: str
@@ -47,6 +49,7 @@ class PointSource(NamedTuple):
     rig: str | None
     backend: str
     code: str
+    uncommissioned: str | None = None
 
 
 class Resolved(NamedTuple):

@@ -97,6 +97,27 @@ def test_it_moves_at_a_quarter_of_its_speed_and_says_what_is_missing(rig, capsys
     assert pressure < 250e3
 
 
+@pytest.mark.parametrize("command", ["compare", "sweep", "rerun"])
+def test_every_command_that_moves_hardware_takes_the_reason(rig, tmp_path, command):
+    """A comparison at a quarter of the speed would compare something else."""
+    reason = ["--uncommissioned", "the stops were tried yesterday", "--yes", "cylinder"]
+    on = ["cylinder-sine", "--on", "hardware", "--configs", str(rig.configs)]
+    on += [word for option in SHORT for word in ("--set", option)]
+    runs = tmp_path / "others"
+    words = {
+        "compare": [*on, "--controllers", "cascade", "--out", str(runs)],
+        "sweep": [*on, "--serial", "--vary", "approach=0.3s,0.4s", "--keep", "all",
+                  "--runs", str(runs)],
+    }  # fmt: skip
+    if command == "rerun":
+        assert rig(*reason[:2])[0] == 0
+        words["rerun"] = ["latest", "--runs", str(tmp_path / "runs"), "--out", str(runs)]
+    assert invoke([command, *words[command], *reason]) == 0
+    told = [said(events.parent) for events in runs.rglob("events.jsonl")]
+    assert told
+    assert all("the stops were tried yesterday" in sentences[0] for sentences in told)
+
+
 def test_a_commissioned_rig_has_all_of_it_until_something_changes(rig, commissioned, capsys):
     digest = commissioned()
     assert re.fullmatch("[0-9a-f]{8}", digest)
