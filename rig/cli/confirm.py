@@ -6,6 +6,12 @@ import sys
 
 import click
 
+from rig.hal import ConfigurationError
+
+
+class NotConfirmed(ConfigurationError):
+    """Nobody has said the rig's name, and nobody can be asked for it."""
+
 
 def confirm(rig: str, yes: str | None) -> bool:
     """Return whether the operator has named the rig; say what is missing if not.
@@ -19,17 +25,15 @@ def confirm(rig: str, yes: str | None) -> bool:
 
     Raises
     ------
-    ConfigurationError
+    NotConfirmed
         There is nobody to ask, or another rig was named.
     """
-    from rig.hal import ConfigurationError
-
     if yes is not None:
         if yes == rig:
             return True
-        raise ConfigurationError(f"--yes {yes}: this is the rig {rig}")
+        raise NotConfirmed(f"--yes {yes}: this is the rig {rig}")
     if not sys.stdin.isatty():
-        raise ConfigurationError(f"there is no terminal to ask: say --yes {rig}")
+        raise NotConfirmed(f"there is no terminal to ask: say --yes {rig}")
     if (
         click.prompt("Type the rig's name to go on", default="", show_default=False, err=True)
         == rig

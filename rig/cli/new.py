@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -85,6 +86,8 @@ def new(
     if tip is not None and urdf is None:
         raise click.UsageError("--tip names a link of --urdf")
     notes: tuple[str, ...] = ()
+    if kind not in _PACKAGES and not (drawn or scan or other or as_json):
+        rig, like = _asked(kind)
     if kind in _PACKAGES:
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
@@ -139,6 +142,19 @@ def new(
     for line in following:
         click.echo(f"  {line}", err=True)
     return 0
+
+
+def _asked(kind: str) -> tuple[str | None, str | None]:
+    """Return --rig and --like as somebody at a terminal answers; a script is not asked."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return None, None
+    what = "Like which rig (`rig list rigs`)" if kind == "rig" else "Of which rig (`rig list rigs`)"
+    rig = click.prompt(what, default="cylinder", err=True)
+    if kind == "rig":
+        return rig, None
+    first = "its first"
+    like = click.prompt("Like which of its experiments", default=first, err=True)
+    return rig, None if like == first else like
 
 
 def _drawn(name: str, form: str, file: str, tip: str | None) -> DrawnProfile:

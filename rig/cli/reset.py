@@ -70,10 +70,14 @@ def reset(
 
 def _ask(made: Rig, name: str, yes: str | None, wait: float) -> int:
     """Have the operator show that somebody stands beside the rig; return the exit code."""
-    from rig.cli.confirm import confirm
+    from rig.cli.confirm import NotConfirmed, confirm
 
     if made.mechanism.stop_input() is None:
-        return 0 if confirm(name, yes) else 2
+        try:
+            return 0 if confirm(name, yes) else 2
+        except NotConfirmed as error:
+            click.echo(error, err=True)
+            return 2
     if _pressed_and_released(made, wait):
         return 0
     click.echo(f"the emergency stop was not pressed and released within {wait:g} s", err=True)

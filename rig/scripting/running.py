@@ -255,10 +255,13 @@ def _ask(plan: Plan, on: str, yes: str | None) -> None:
         Nobody has.
     """
     from rig.cli.announce import may_move
+    from rig.cli.confirm import NotConfirmed
 
-    if not may_move(plan, on, yes):
-        name = plan.profile.name
-        raise ConfigurationError(f"nothing was moved: give the rig's name, yes={name!r}")
+    with contextlib.suppress(NotConfirmed):
+        if may_move(plan, on, yes):
+            return
+    name = plan.profile.name
+    raise ConfigurationError(f"nothing was moved: give the rig's name, yes={name!r}")
 
 
 @contextlib.contextmanager

@@ -23,7 +23,7 @@ from controllers.spherical_joint.laws import JointPid, JointPidSettings
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointCommand, JointEstimate, JointReference
 from rig.hal import ConfigurationError, EmergencyStop, LimitExceeded, Markers, SafetyError
-from rig.mechanisms.joint import camera_latency, hindsight
+from rig.mechanisms.joint import hindsight
 from rig.mechanisms.joint.mechanism import SphericalJoint
 from rig.mechanisms.joint.motion import JointDrawing, JointMotion
 
@@ -207,8 +207,9 @@ def test_the_log_is_asked_for_a_cause_only_where_pneumatics_may_have_one(monkeyp
 def test_a_log_is_asked_for_the_latency_of_a_camera_that_is_there(monkeypatch):
     asked = []
     monkeypatch.setattr(
-        camera_latency, "remark_on_latency", lambda *given: asked.append(given) or ("late",)
+        hindsight, "remark_on_latency", lambda *given: asked.append(given) or ("late",)
     )
+    monkeypatch.setattr(hindsight, "remarks_on_hunting", lambda *given: ())
     assert JointBench().joint.remarks(np.zeros) == ()
     camera = FakeCamera("eye")
     assert JointBench(camera=camera).joint.remarks(np.zeros) == ("late",)

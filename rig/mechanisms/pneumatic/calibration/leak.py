@@ -31,7 +31,7 @@ ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristi
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -173,7 +173,10 @@ def _check_locks(pneumatics: AnyPneumatics) -> None:
     device = pneumatics.regulators
     pneumatics.need_regulators("its air cannot be locked in: a spool in the middle leaks")
     channels = pneumatics.profile.devices[device].settings.channels
-    open_ended = [name for name in pneumatics.channels if channels[name].lock_bit is None]
+    # Another's module may have its channels otherwise, and then says nothing of locks.
+    known = channels if isinstance(channels, Mapping) else {}
+    locks = {name: getattr(known.get(name), "lock_bit", None) for name in pneumatics.channels}
+    open_ended = [name for name, bit in locks.items() if bit is None]
     if open_ended:
         key = f"devices.{device}.channels.{open_ended[0]}.lock_bit"
         raise RigLacks(
