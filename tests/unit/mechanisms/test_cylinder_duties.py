@@ -23,6 +23,7 @@ from controllers.cylinder.types import PairCommand, PairReference, PairState
 from rig.hal import EmergencyStop, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder import hindsight
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.mechanisms.pneumatic import hunting
 
 STILL = PairReference(0.0, 0.0, 0.0)
 EASY = PairCommand(BASE, BASE)
@@ -156,6 +157,15 @@ def test_the_log_is_asked_for_a_cause_only_where_pneumatics_may_have_one(monkeyp
     assert bench.pair.diagnose(EmergencyStop("stop"), np.zeros) == ()
     assert bench.pair.diagnose(LimitExceeded("x", 1.0, 0.0, 0.5, "m"), np.zeros) == ("a",)
     assert asked == [(np.zeros, bench.pair.settings)]
+
+
+def test_a_log_is_asked_whether_the_pair_came_to_rest(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        hunting, "remarks_on_hunting", lambda *given: asked.append(given) or ("hunts",)
+    )
+    assert PairBench().pair.remarks(np.zeros) == ("hunts",)
+    assert asked == [(np.zeros, {"the pair": ("reference.position", "reading.position")})]
 
 
 # Stop ------------------------------------------------------------------------------------------
