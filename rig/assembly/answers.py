@@ -18,6 +18,10 @@ from rig.hal.plant import PhysicsSettings
 
 _LONGEST = 7 * 86_400.0
 """No motion lasts longer, s: one that is asked for by mistake would run until the disk is full."""
+_ASKED: Final = (
+    "wiring", "geometry_of", "limits_of", "expected_of", "described", "constants_of", "unfit",
+)  # fmt: skip
+"""Of a mechanism's class, with the profile's section."""
 
 
 def check_answers(profile: Profile) -> None:
@@ -44,25 +48,11 @@ def check_answers(profile: Profile) -> None:
         ask(what, PhysicsSettings, "variant", profile.plant.settings)
     what = f"the mechanism {profile.mechanism}"
     view = REGISTRY.load("mechanism", profile.mechanism)
-    for method in (
-        "wiring",
-        "geometry_of",
-        "limits_of",
-        "expected_of",
-        "described",
-        "constants_of",
-        "unfit",
-    ):
+    for method in _ASKED:
         ask(what, Mechanism, method, view, profile.mechanism_settings)
     limits = view.limits_of(profile.mechanism_settings)
     if limits is not None and (isinstance(limits, type) or not is_dataclass(limits)):
         raise ContractBroken(f"{what}: limits_of returned {shown(limits)}, and no dataclass")
-
-
-_ASKED: Final = (
-    "wiring", "geometry_of", "limits_of", "expected_of", "described", "constants_of", "unfit",
-)  # fmt: skip
-"""Of a mechanism's class, with the profile's section."""
 
 
 def check_motion(what: str, motion: Motion[object], period: float) -> None:

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from rig.calibration import store
+from rig.cli.commands import invoke
 from rig.cli.status import status
 from rig.commissioning.record import CommissioningState
 from rig.doctor.look import Fitness, Look
@@ -247,3 +248,20 @@ def test_a_profile_that_check_refuses_is_not_sent_on(configs):
     first = shown["stages"][0]
     assert first["what"] == "valid"
     assert "plant.home" in first["state"]
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_what_comes_next_is_said_after_a_run_of_an_own_rig_and_hides_no_ending(
+    configs, tmp_path, monkeypatch, capsys, own
+):
+    (tmp_path / "mine.yaml").write_text("extends: cylinder\nname: mine\n")
+    run = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(tmp_path / "runs")]
+    run += ["--rig", str(tmp_path / "mine.yaml")] if own else ["--configs", str(CONFIGS)]
+    assert invoke(run) == 0
+    assert ("next in simulation: rig calibrate" in capsys.readouterr().err) is own
+
+    def raises(*_, **__):
+        raise TypeError("a procedure of others")
+
+    monkeypatch.setattr("rig.cli.status.way", raises)
+    assert invoke(run) == 0
