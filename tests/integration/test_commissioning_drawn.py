@@ -42,6 +42,16 @@ def test_another_rate_or_stroke_is_no_slow_regulator(tmp_path, said):
     assert first_motion(tmp_path, profile) is None
 
 
+def test_a_rig_whose_calibrated_regulators_have_no_0_pa_passes_again(tmp_path):
+    said = [
+        f"devices.regulators.channels.{channel}.setpoint.pressure=[{low} kPa, {low + 500} kPa]"
+        for channel, low in (("agonist", 4.8), ("antagonist", -3.1))
+    ]
+    profile = load_profile("cylinder", REGISTRY, said, find_configs(None))
+    skip = [step.name for step in steps_of(profile) if step.name != "actuators"]
+    assert perform(tmp_path, profile, skip=skip)[0] is None
+
+
 def test_a_drawn_rig_passes_every_step(tmp_path):
     profile = drawn_pair(2)
     stopped, record, _ = perform(tmp_path, profile)

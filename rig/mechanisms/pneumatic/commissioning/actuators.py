@@ -88,9 +88,7 @@ class _Filled:
 def _fill(site: Site, number: int, pressure: float) -> _Filled:
     with energised(site) as chambers:
         channels = chambers.regulators.channels
-        setpoints = [0.0] * len(channels)
-        setpoints[number] = pressure
-        chambers.set(setpoints)
+        chambers.set(chambers.alone(number, pressure))
         rises = chambers.rises()
         task = gauges(
             f"actuators.{channels[number]}.{pressure / 1e3:.3g}",

@@ -129,6 +129,16 @@ class Chambers:
         """Give every chamber the same setpoint, so that forces balance; see `set`."""
         self.set((pressure,) * len(self.regulators.channels), duration)
 
+    def alone(self, number: int, pressure: float) -> Vector:
+        """Return the setpoints that fill one chamber alone, Pa gauge.
+
+        The others get the least that there is: calibrated regulators may have none of 0 Pa.
+        """
+        least = self.regulators.pressure_range[0]
+        return tuple(
+            pressure if k == number else least for k in range(len(self.regulators.channels))
+        )
+
     def climb(self) -> Climbed:
         """Raise all setpoints until every monitor answers, but none that shows as much already.
 

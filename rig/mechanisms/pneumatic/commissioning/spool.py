@@ -20,11 +20,8 @@ def overshoot_of(site: Site, number: int) -> MeasuredValue:
     with energised(site) as chambers:
         channel, zero = chambers.regulators.channels[number], chambers.zeros[number]
         for level in levels:
-            setpoints = [0.0] * len(chambers.zeros)
-            setpoints[number] = base
-            chambers.set(setpoints, 0.3)
-            setpoints[number] = level
-            chambers.ask(setpoints)
+            chambers.set(chambers.alone(number, base), 0.3)
+            chambers.ask(chambers.alone(number, level))
             shown = max(pressures[number] for _, pressures in chambers.watch(0.2))
             most = max(most, (shown - zero) / level)
             value = MeasuredValue(f"{channel}: overshoot of a step", most, "1", high=_OVERSHOOT)
