@@ -36,7 +36,7 @@ class Made:
 
     paths, samples = (), 0
 
-    def __init__(self, profile, seals, *, slowest=14e-3, noise=0.0, stuck=()):
+    def __init__(self, profile, seals, *, slowest=14e-3, noise=0.0, stuck=(), caught=()):
         rng = np.random.default_rng(4)
         self.motion = procedures(profile)["friction"].excite(profile, ()).motion
         settings = profile.mechanism_settings
@@ -47,16 +47,17 @@ class Made:
             load = 2.0 * settings.area * glide.base
             coulomb = seals.coulomb + seals.growth * (load - usual)
             most = coulomb + seals.stribeck
-            broke, stop = most / 20.0, most / 20.0 + 0.9
+            lasts = 0.25 if glide.name in caught else 0.9
+            broke, stop = most / 20.0, most / 20.0 + lasts
             sliding = (t > broke) & (t < stop)
-            v = np.where(sliding, 45e-3 - (45e-3 - slowest) * (t - broke) / 0.9, 0.0)
+            v = np.where(sliding, 45e-3 - (45e-3 - slowest) * (t - broke) / lasts, 0.0)
             if glide.name in stuck:
                 v = np.zeros_like(v)
             friction = (
                 coulomb + seals.viscous * v + seals.stribeck * np.exp(-((v / seals.speed) ** 2))
             )
             force = np.where(sliding, friction, np.where(t <= broke, 20.0 * t, 0.0))
-            force = force + settings.moving_mass * np.where(sliding, (slowest - 45e-3) / 0.9, 0.0)
+            force = force + settings.moving_mass * np.where(sliding, (slowest - 45e-3) / lasts, 0.0)
             x = glide.side * (np.cumsum(v) * PERIOD - 15e-3)
             half = 0.5 * glide.side * force / settings.area
             one, other = noise * rng.standard_normal((2, len(t)))
@@ -107,6 +108,25 @@ def test_where_friction_does_not_turn_up_its_stribeck_velocity_is_not_told(profi
 def test_tells_a_pair_that_does_not_move(profile):
     with pytest.raises(CalibrationRefused, match=r"glide 3 \+: the pair moved by 0 mm with"):
         found_in(profile, Made(profile, Seals(), stuck=("glide 3 +",)))
+
+
+def test_a_glide_that_something_catches_tells_its_breakaway_alone(profile):
+    seals, caught = Seals(), ("glide 4 -", "glide 7 +")
+    finding, found = found_in(profile, Made(profile, seals, noise=250.0, caught=caught))
+    assert [note.split(":")[0] for note in finding.notes] == [
+        f"an even slide in {name}" for name in caught
+    ]
+    for name, true in (
+        ("coulomb", seals.coulomb), ("viscous", seals.viscous),
+        ("breakaway", seals.coulomb + seals.stribeck),
+    ):  # fmt: skip
+        assert found[name].value == pytest.approx(true, abs=max(5 * found[name].std, 0.02 * true))
+
+
+def test_more_than_a_fifth_of_the_glides_caught_is_refused(profile):
+    caught = ("glide 1 +", "glide 4 -", "glide 7 +")
+    with pytest.raises(CalibrationRefused, match=r"glide 7 \+: .*, as in 2 glides before"):
+        found_in(profile, Made(profile, Seals(), caught=caught))
 
 
 def test_tells_glides_that_were_not_recorded(profile):

@@ -70,6 +70,8 @@ caught: seals need tens of micrometres to settle on a new speed's friction, 1/s.
 
 _THIN: Final = 14
 _LEAST_ROWS: Final = 10
+_CAUGHT: Final = 0.2
+"""Of so many glides at most the breakaway alone is used: they slid evenly too shortly."""
 _CLEAR: Final = 0.4
 """A Stribeck velocity is used if its interval is no wider than this share of it either way."""
 
@@ -122,7 +124,7 @@ class PairFriction(Procedure[Recording]):
         """Fit all glides as one."""
         glides = _glides(profile)
         data.require(segment.name for segment in glides.segments)
-        rows = _rows(PairPneumatics(profile), data, glides)
+        rows, short = _rows(PairPneumatics(profile), data, glides)
         found, stribeck, notes = _fit(profile, rows)
         growth = [0.0] * len(found.values)
         growth[0] = growth[4] = 1.0
@@ -144,7 +146,7 @@ class PairFriction(Procedure[Recording]):
         return (
             Finding(
                 profile.mechanism, {"friction": values}, estimates, found.residuals, "N", _BOUND,
-                len(list(glides.glides())), (_panel(profile, rows, found),), notes=notes,
+                len(list(glides.glides())), (_panel(profile, rows, found),), notes=[*short, *notes],
             ),
         )  # fmt: skip
 
@@ -157,19 +159,30 @@ def _glides(profile: Profile) -> Glides:
     return Glides(pneumatics.reach(_SHARE), bases, most=most)
 
 
-def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _Glides:
+def _rows(
+    pneumatics: PairPneumatics, recording: Recording, glides: Glides
+) -> tuple[_Glides, list[str]]:
     """Return where the pair slides evenly, and where each glide breaks away.
+
+    Returns
+    -------
+    rows : _Glides
+        Of all glides.
+    short : list of str
+        A sentence for each glide that slid evenly too shortly; it tells its breakaway alone.
 
     Raises
     ------
     CalibrationRefused
-        It did not move, or hardly.
+        It did not move, or hardly; or it slid evenly in too few glides.
     """
     period = pneumatics.profile.loop.period
     narrow, wide = Bump(period), Bump(period, _BUMP)
     usual = 2.0 * pneumatics.area * pneumatics.base_pressure
     rows: list[tuple[float, ...]] = []
-    for number, glide in enumerate(glides.glides()):
+    short: list[str] = []
+    done = list(glides.glides())
+    for number, glide in enumerate(done):
         pair = pneumatics.signals(recording[glide.name])
         sharp = narrow.smooth(pair)
         way = glide.side * float(pair.position[-1] - pair.position[0])
@@ -196,15 +209,21 @@ def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _
         even = np.flatnonzero((np.abs(acceleration) < _EVEN * velocity) & (velocity > _MOVING))
         even = even[(even >= start + wide.width) & (even < end - wide.width)][::_THIN]
         if len(even) < _LEAST_ROWS:
-            raise CalibrationRefused(
-                f"{glide.name}: the pair slid evenly in {len(even)} places, {_LEAST_ROWS} are "
-                "needed: something catches it"
+            if len(short) + 1 > _CAUGHT * len(done):
+                raise CalibrationRefused(
+                    f"{glide.name}: the pair slid evenly in {len(even)} places, {_LEAST_ROWS} are "
+                    f"needed, as in {len(short)} glides before: something catches it"
+                )
+            short.append(
+                f"an even slide in {glide.name}: {len(even)} places, {_LEAST_ROWS} are needed; its "
+                "breakaway alone is used"
             )
+            continue
         rows += [
             (number, glide.side, pull[k], velocity[k], acceleration[k], load[k])
             for k in even.tolist()
         ]
-    return _Glides(*np.array(rows, float).T)
+    return _Glides(*np.array(rows, float).T), short
 
 
 def _longest_stretch(moving: NDArray[np.bool_]) -> tuple[int, int]:
