@@ -171,6 +171,11 @@ class Procedure(Protocol[Data]):
     def title(self) -> str:
         """What it finds, for people."""
 
+    @property
+    def shares(self) -> tuple[str, ...]:
+        """Procedures that find the same of a target that both write; default: none."""
+        return ()
+
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the files that it writes, devices or the mechanism; default: the mechanism."""
         return (profile.mechanism,)

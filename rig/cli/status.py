@@ -141,14 +141,14 @@ def _lacks_calibration(profile: Profile, search: Sequence[Path]) -> bool:
 def _entries_of(
     profile: Profile, search: Sequence[Path], name: str, procedure: AnyProcedure
 ) -> list[list[dict[str, object]]]:
-    """Return what a procedure has found of each of its targets."""
+    """Return what a procedure, or one that finds the same, has found of each of its targets."""
     from rig.calibration import store
 
-    found = []
+    found, finders = [], {name, *procedure.shares}
     for target in procedure.targets(profile):
         content = store.in_force(profile, search, target)
         entries = [] if content is None else content["measured"]
-        found.append([entry for entry in entries if entry["procedure"] == name])
+        found.append([entry for entry in entries if entry["procedure"] in finders])
     return found
 
 

@@ -43,6 +43,7 @@ class Camera(Procedure[Recording]):
 
     name = "camera"
     title = "place, orientation and latency of the camera"
+    shares = ("geometry",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the camera's file, if there is a camera."""

@@ -34,6 +34,7 @@ class Geometry(Procedure[Recording]):
 
     name = "geometry"
     title = "dimensions of the joint, and its camera with them"
+    shares = ("camera",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the joint's and the camera's file, if there is a camera."""

@@ -34,6 +34,7 @@ class LegZeros(JigProcedure):
 
     name = "zeros"
     title = "zeros of the joints, in a jig"
+    shares = ("scale",)
     pose_count = 1
 
     def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
