@@ -1,7 +1,9 @@
 """When each fault of a case could first be seen."""
 
+from collections.abc import Sequence
+
 from rig.faults.case import Break
-from rig.faults.kind import Must, Sizes
+from rig.faults.kind import Must, Samples, Sizes, at_once
 from rig.faults.subject import Subject
 
 
@@ -58,3 +60,34 @@ class Felt:
         left = Sizes(item.magnitude, made + item.lasts - now)
         if self._at[k] is None and item.row.must(left, self._subject) is Must.SAFE:
             self._at[k] = now
+
+    def shown(
+        self, columns: Sequence[str], times: Samples, rows: Samples, until: float
+    ) -> tuple[float | None, ...]:
+        """Return `times` by what is true: what had nothing to act on was not felt.
+
+        Nor was what has acted for less than the time in which it must be seen.
+
+        Parameters
+        ----------
+        columns : sequence of str
+            Of the plant's truth.
+        times : ndarray, shape (n,)
+            s, ascending.
+        rows : ndarray, shape (n, len(columns))
+            What was true then.
+        until : float
+            When the program's loop ended, s.
+        """
+        found = []
+        for (item, _), at in zip(self._made, self._at, strict=True):
+            column = f"pressure_{item.place(self._subject).axis}"
+            if at is None or item.row.shows is at_once or column not in columns:
+                found.append(at)
+                continue
+            kept = (times >= at) & (times <= until)
+            truth = rows[kept, columns.index(column)]
+            first = item.row.shows(item.sizes, times[kept], truth)
+            is_late = first is None or first + item.row.within > until
+            found.append(None if is_late else first)
+        return tuple(found)

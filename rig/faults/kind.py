@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
@@ -115,10 +118,19 @@ class Plight(NamedTuple):
 
 
 Excuse = Callable[[Plight], frozenset[str]]
+Samples = NDArray[np.float64]
+Shows = Callable[[Sizes, Samples, Samples], float | None]
+"""Takes sizes, times (s, ascending) and the true pressure of the chamber then (Pa), from the fault
+to the end of control; returns when that first shows the fault, s."""
 
 
 _LOW_PRESSURE = 100e3
 """Pa gauge: what leaves a chamber that holds less is fed sooner, and moves its rod later."""
+
+
+def at_once(sizes: Sizes, times: Samples, pressures: Samples) -> float | None:
+    """Have a fault show from its beginning."""
+    return float(times[0])
 
 
 def no_excuse(plight: Plight) -> frozenset[str]:
@@ -146,6 +158,10 @@ class FaultKind:
         How soon it must be seen, s, where it must.
     filling : float
         How soon while chambers fill, s, if that takes longer: what moves little shows little.
+    in_motion : bool
+        Whether only motion shows it: the orderly stop, which moves everything, counts for it.
+    shows : callable
+        Returns when the truth of its chamber first shows it; it is felt from then on.
     why : str
         Why it is harmless where it need not be seen, or what limits its being seen.
     magnitude : Magnitudes, optional
@@ -173,6 +189,8 @@ class FaultKind:
     must: Expect
     within: float = 0.1
     filling: float = 0.0
+    in_motion: bool = False
+    shows: Shows = at_once
     why: str = ""
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None

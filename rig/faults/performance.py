@@ -33,7 +33,7 @@ AFTERMATH = 1.5
 """How long the world is watched after the program has ended or died, s."""
 HORIZON = 1.0
 """How long the run may go on after the last fault until it is asked to stop, s; or for as long as a
-fault may take to be seen."""
+fault may take to be seen that shows before."""
 TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
 """Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 
@@ -292,7 +292,9 @@ class Performance(Watcher):
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
         seen_at = None if rehearsed else self._seen_at
-        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, self._felt.times)
+        until = min(ended_at, self._controlled_until)
+        felt_at = self._felt.shown(self._columns, times, rows, until)
+        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, felt_at)
         verdict = give_verdict(self._case, ending, self.subject)
         if len(self._felt) < len(self._case.breaks):  # what did not happen was not ridden through
             verdict = verdict.missed()
@@ -369,8 +371,13 @@ def _is_confessed(violation: Violation, told: str) -> bool:
 
 
 def _horizon(case: Case) -> float:
-    """Return how long a run may go on after its last fault, s."""
-    return max(HORIZON, *(max(item.row.within, item.row.filling) for item in case.breaks))
+    """Return how long a run may go on after its last fault, s.
+
+    What only motion shows is to be seen in the stop at the latest, which must not come later.
+    """
+    rows = [item.row for item in case.breaks]
+    waits = [row.filling for row in rows if case.moment is Moment.ENERGISE]
+    return max([HORIZON, *waits, *(row.within for row in rows if not row.in_motion)])
 
 
 def _lead_in() -> float:

@@ -5,6 +5,7 @@ has. A row says what must come of it while the rig runs.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 from rig.faults.excuses import (
@@ -33,6 +34,7 @@ from rig.faults.kind import (
     ride,
     safe,
 )  # fmt: skip
+from rig.faults.lagging import AT_REST_OFF, lags
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
@@ -122,16 +124,12 @@ def _rides_up_to(most: float) -> Expect:
     return lambda sizes, subject: Must.RIDE if abs(sizes.magnitude or 0.0) <= most else Must.EITHER
 
 
-_AT_REST_OFF = 12e3
-"""Pa: so much a regulator at rest and its monitor are off by catalogue, 2.4 % of 0.5 MPa."""
-
-
 def _is_below_rest(sizes: Sizes, subject: Subject) -> Must:
     """Expect that a pressure is missed which all chambers have where they rest.
 
     Less what a regulator may be off by, which nobody can tell from it.
     """
-    seen = subject.base_pressure - _AT_REST_OFF
+    seen = subject.base_pressure - AT_REST_OFF
     return Must.SAFE if (sizes.magnitude or 0.0) < seen else Must.EITHER
 
 
@@ -201,9 +199,14 @@ def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
     )  # fmt: skip
 
 
-UNTIL_MOVED = 2.0
+_UNTIL_MOVED = 2.0
 """s: a setpoint that rests tells nothing, and moves in the orderly stop at the latest, which a
-case asks for after a second."""
+case asks for after a second and which takes another one."""
+
+
+def until_moved(kind: FaultKind) -> FaultKind:
+    """Return a row with the time in which is to be seen what only motion shows."""
+    return replace(kind, within=_UNTIL_MOVED, in_motion=True)
 
 
 def _is_closed_over(sizes: Sizes, subject: Subject) -> Must:
@@ -224,29 +227,34 @@ PNEUMATIC = (
                why="at a pressure near that which is wanted nothing is amiss; above 50 kPa it "
                "pulls alone when all others are vented, with 9 N and more, until the stop bears it",
                excuses=pulls_alone),
-    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(2.5, 3.0),
-               UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
-               why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
+    replace(
+        of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(2.5, 3.0),
+                  0.5, magnitude=Magnitudes(1.2, 6.0, "1"),
+                  why="a little slower tracks a little worse; while its pressure moves so little "
+                  "or slowly that it lags by less than regulators are off, nobody can tell"),
+        shows=lags),
     of_device("regulator_offset", "A regulator gives another pressure than it is told.",
                is_felt(_REGULATOR_OFF), 1.0, magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; so much a regulator is off by catalogue"),
     of_device("monitor_offset", "A pressure monitor is off.", is_felt(60e3), 1.0, ("monitor",),
                magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; the pressure is judged, not controlled"),
-    of_device("monitor_frozen", "A pressure monitor repeats its value.", _is_closed_over,
-               UNTIL_MOVED, ("monitor",),
-               why="with regulators the loop closes over the rods, and a pressure may rest"),
+    until_moved(of_device(
+        "monitor_frozen", "A pressure monitor repeats its value.", _is_closed_over,
+        words=("monitor",),
+        why="with regulators the loop closes over the rods, and a pressure may rest")),
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    of_device("leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8), UNTIL_MOVED,
-               filling=3.5,  # chambers fill and it approaches, before anything moves far enough
-               magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
-               why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
-               "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
-               "one empties the chamber before its opponents can be; a monitor at the other end of "
-               "the tube shows nothing of it, and while nothing moves, nobody can tell",
-               excuses=empties_at_once),
+    until_moved(of_device(
+        "leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8),
+        filling=3.5,  # chambers fill and it approaches, before anything moves far enough
+        magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
+        why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
+        "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
+        "one empties the chamber before its opponents can be; a monitor at the other end of "
+        "the tube shows nothing of it, and while nothing moves, nobody can tell",
+        excuses=empties_at_once)),
     of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
               forgives=ALONE),
     of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,

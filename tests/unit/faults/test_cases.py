@@ -11,12 +11,13 @@ from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Break, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Place, Plight, Sizes
-from rig.faults.performance import _horizon
+from rig.faults.performance import HORIZON, _horizon
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
 from rig.faults.verdict import FAULTED, INTERRUPTED, OURS, CaseEnding, give_verdict
 from rig.hal import ConfigurationError
 from rig.hal.world import Frames
+from rig.runtime.phases import Timings
 
 SUBJECT = Subject(
     rig="cylinder",
@@ -430,12 +431,21 @@ def test_a_law_that_is_spoilt_when_nobody_follows_it_any_more_need_not_be_seen()
 @pytest.mark.parametrize(
     ("fault", "then", "seconds"),
     [
-        ("silent", None, 1.0), ("leak", None, 3.5),
-        ("silent", "regulator_slow", 2.0), ("leak", "regulator_slow", 3.5),
+        ("silent", None, (1.0, 1.0)), ("encoder_drift", None, (1.5, 1.5)),
+        ("leak", None, (1.0, 3.5)), ("monitor_frozen", None, (1.0, 1.0)),
+        ("silent", "encoder_drift", (1.5, 1.5)), ("encoder_drift", "leak", (1.5, 3.5)),
     ],
 )  # fmt: skip
 def test_a_run_goes_on_for_as_long_as_its_faults_may_take_to_be_seen(fault, then, seconds):
+    """What only motion shows is seen in the stop, which may not come when its time is over."""
     case = draw_random(SUBJECT, 1, 7)[0]
     first = Break(fault, "plant agonist", None, inf)
     second = None if then is None else Break(then, "plant agonist", None, inf)
-    assert _horizon(replace(case, first=first, then=second)) == seconds
+    for moment, wait in zip((Moment.RUN, Moment.ENERGISE), seconds, strict=True):
+        assert _horizon(replace(case, moment=moment, first=first, then=second)) == wait
+
+
+def test_what_only_motion_shows_is_wanted_no_sooner_than_the_stop_that_moves_it():
+    rows = [kind for kind in KINDS.values() if kind.in_motion]
+    assert {row.name for row in rows} == {"leak", "monitor_frozen", "valve_stuck", "valve_closed"}
+    assert all(row.within >= HORIZON + Timings().release for row in rows)

@@ -1,12 +1,17 @@
 """From when on a fault can be seen: at once, or when the law or the setpoints show it."""
 
 import random
+from dataclasses import replace
+from math import inf
 
+import numpy as np
 import pytest
 
 from drivers.sim.frame_faults import FrameFault, FrameFaults
 from rig.faults.case import Break
 from rig.faults.felt import Felt
+from rig.faults.kind import Sizes
+from rig.faults.lagging import lags
 from rig.faults.subject import Subject
 
 PERIOD = 0.005
@@ -65,3 +70,40 @@ def test_a_disturbed_frame_tells_when_it_says_something_else(kind):
     faults.add(fault)
     faults.apply(0x201, b"\7")
     assert len(told) == 2, "what was before it happened again is forgotten"
+
+
+def slow_chamber(way, took, begins=1.0, ends=4.0):
+    """Return times and the rows of two chambers of which the second goes `way` in `took`, Pa."""
+    times = np.arange(0.0, ends, 1e-3)
+    pressure = 60e3 + way * np.clip((times - begins) / took, 0.0, 1.0)
+    return times, np.column_stack([np.full_like(times, 60e3), pressure])
+
+
+@pytest.mark.parametrize(
+    ("way", "took", "until", "shows"),
+    [
+        (0.0, 0.3, 4.0, False), (5e3, 0.05, 4.0, False), (75e3, 2.0, 4.0, False),
+        (75e3, 0.3, 4.0, True), (75e3, 0.3, 1.4, False), (-75e3, 0.3, 4.0, True),
+    ],
+    ids=["rests", "moves little", "moves slowly", "moves", "too late", "falls"],
+)  # fmt: skip
+def test_a_slow_regulator_is_felt_when_its_pressure_moves(way, took, until, shows):
+    known = [f"{channel}.{fault}" for channel in ("agonist", "antagonist")
+             for fault in ("regulator_slow", "leak")]  # fmt: skip
+    felt = Felt(replace(SUBJECT, knows={"plant": tuple(known)}))
+    felt.make(Break("regulator_slow", "plant antagonist", 3.0, inf), 0.5)
+    felt.make(Break("regulator_slow", "plant agonist", 3.0, inf), 0.5)
+    felt.make(Break("leak", "plant agonist", 2e-8, inf), 0.6)
+    columns = ["pressure_agonist", "pressure_antagonist"]
+    moved, rested, leaked = felt.shown(columns, *slow_chamber(way, took), until)
+    assert (rested, leaked) == (None, 0.6)
+    assert (moved is not None) is shows
+    if moved is not None:
+        # (3 - 1) 50 ms times 250 kPa/s are 25 kPa; 0.23 s of it in a second are 12 kPa rms.
+        assert moved == pytest.approx(1.23, abs=2e-3)
+        assert felt.shown(["position", "velocity"], *slow_chamber(way, took), until)[0] == 0.5
+
+
+def test_a_slow_regulator_whose_time_ends_at_once_is_not_felt():
+    times = np.array([1.0])
+    assert lags(Sizes(6.0, inf), times, np.array([60e3])) is None
