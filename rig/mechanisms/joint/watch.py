@@ -155,6 +155,8 @@ class JointWatch:
         k = self._running_rod(error, state.rods)
         if k is None:
             return error
+        if isinstance(error, DeviceFault):  # this cycle's state was not checked
+            state = self._gone_on(state)
         rods = self._unstretched(state)
         cause = self._wires.explain_run(rods, state.pressures, k)
         if cause is None and isinstance(error, LimitExceeded):
@@ -164,6 +166,17 @@ class JointWatch:
             emptied = self._balance.explain_emptied(_number_of(k))
             cause = emptied or self._explain_push(k, rods)
         return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def _gone_on(self, state: JointState) -> JointState:
+        """Return a state whose rods go on as they ran where no new reading of them was taken.
+
+        A reading that was refused is missing of one rod alone: it seems to stay behind the others.
+        """
+        gone = [
+            rod if rod != last else 2.0 * last - before
+            for rod, last, before in zip(state.rods, self._last, self._before, strict=True)
+        ]
+        return state._replace(rods=(gone[0], gone[1], gone[2], gone[3]))
 
     def _explain_push(self, k: int, rods: Quadruple) -> str | None:
         """Return that rod `k` did not run alone; None: it did."""

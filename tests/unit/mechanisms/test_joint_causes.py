@@ -149,6 +149,22 @@ def test_an_encoder_that_complains_while_the_whole_ring_runs_saw_a_push():
     assert told.watch.explain(ERROR, state) is ERROR
 
 
+@pytest.mark.parametrize("refused", [1, 2, 3, 4])
+@pytest.mark.parametrize("step", [-0.04, 0.04])
+def test_a_rod_whose_reading_was_refused_does_not_stay_behind_a_ring_that_is_pushed(step, refused):
+    """The others would seem to run ahead of it, as the rod does whose wire is cut."""
+    before, last, now = (rods_at(0.3 + k * step, 0.4) for k in range(3))
+    held = tuple(
+        was if k == refused - 1 else rod for k, (rod, was) in enumerate(zip(now, last, strict=True))
+    )
+    told = Rods()
+    told.check(before)
+    told.check(last)
+    error = DeviceFault(ENCODERS[refused - 1], "it jumps")
+    found = told.watch.explain(error, told.state(held))
+    assert str(found) == f"the ring was pushed or struck: all rods move with it ({error})"
+
+
 def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause():
     error = PressureOff("regulators: the supply pressure is lost")
     told = Rods()
