@@ -147,7 +147,7 @@ class PairWatch:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
             if cause is None and isinstance(error, Strayed):
                 explain = self._balance.explain_gone if error.ran else self._balance.explain_off
-                cause = explain(error.value, 0)
+                cause = explain(error.value, 0) or self._balance.explain_crept(0)
             if cause is None and isinstance(error, Shifted):
                 cause = self._explain_shift()
         elif isinstance(error, PressureOff):

@@ -195,6 +195,7 @@ class JointWatch:
             number, off = _pair_of(error.rod, error.value)
             explain = self._balance.explain_gone if error.ran else self._balance.explain_off
             cause = explain(off, number)
+            cause = cause or self._balance.explain_crept(number)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def drives(self, rod: int, off: float) -> bool:

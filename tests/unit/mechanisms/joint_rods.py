@@ -14,11 +14,11 @@ class Rods:
         self.watch = JointWatch(settings or joint_settings(), "regulators", ENCODERS, camera)
         self.now = 0.0
 
-    def state(self, rods, sample=None):
-        return JointState(self.now, tuple(rods), (BASE,) * 4, sample)
+    def state(self, rods, sample=None, pressures=(BASE,) * 4):
+        return JointState(self.now, tuple(rods), pressures, sample)
 
-    def check(self, rods, sample=None, step=PERIOD):
+    def check(self, rods, sample=None, step=PERIOD, pressures=(BASE,) * 4):
         self.now += step
-        state = self.state(rods, sample)
+        state = self.state(rods, sample, pressures)
         self.watch.check(state, self.now)
         return state

@@ -388,6 +388,19 @@ def test_a_pair_that_strays_from_its_reference_is_told_with_the_chamber_that_sho
     assert pulled(32, apart).watch.explain(other) is other
 
 
+@pytest.mark.parametrize(("sign", "weak"), [(1.0, "antagonist"), (-1.0, "agonist")])
+def test_a_pair_that_lags_after_it_crept_against_its_pull_has_lost_air(sign, weak):
+    off = -sign * 4e-3
+    error = Strayed("following error of the pair for 0.3 s", off, -3e-3, 3e-3, "m")
+    for pull, crept in ((-60e3, True), (60e3, False)):
+        rods = Rods()
+        for way in np.linspace(0.0, 0.6e-3, 13):
+            place = sign * way
+            rods.cycle(-place, place, (BASE + sign * pull, BASE), step=0.1)
+        said = str(rods.watch.explain(error))
+        assert said.startswith(f"regulators: the chamber of {weak} leaks") is crept, said
+
+
 def test_a_pair_that_slides_is_not_held_whatever_its_monitors_say():
     rods = pulled(0)
     for k in range(32):

@@ -319,3 +319,22 @@ def test_a_ring_that_runs_because_a_chamber_loses_its_air_was_not_pushed(side):
         found = str(told.watch.explain(DeviceFault(encoder, "it jumps"), state))
         leaks = f"the chamber of {CHANNELS[weak]} leaks behind its tube"
         assert (leaks in found) is (k in (weak, (weak + 2) % 4)), found
+
+
+@pytest.mark.parametrize("rod", range(4))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_rod_that_lags_after_its_pair_crept_against_its_pull_has_lost_air(rod, side):
+    """Side 1: its rod is drawn in, though its chamber has less than the opposite one."""
+    opposite = (rod + 2) % 4
+    error = Strayed("following error of a rod for 0.3 s", 3e-3, -3e-3, 3e-3, "m")
+    error.rod, error.ran = opposite, False
+    for pull, crept in ((-60e3, True), (60e3, False)):
+        pressures = tuple(BASE + side * pull if k == rod else BASE for k in range(4))
+        told = Rods()
+        for way in np.linspace(0.0, 0.6e-3, 13):
+            pair = off(off(UPRIGHT, rod + 1, side * way), opposite + 1, -side * way)
+            state = told.check(pair, step=0.1, pressures=pressures)
+        said = str(told.watch.explain(error, state))
+        weak = CHANNELS[opposite if side > 0.0 else rod]
+        words = f"regulators: the chamber of {weak} leaks behind its tube, or its monitor is off"
+        assert said.startswith(words) is crept, said

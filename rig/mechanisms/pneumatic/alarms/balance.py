@@ -29,6 +29,10 @@ _STUCK: Final = (
     ", or has more friction than the profile says (`rig calibrate` friction measures it)"
 )
 """What holds a pair that stands, beside air and hands."""
+_STEP: Final = 20e-6
+"""Ways shorter than this (m) are added up: encoder noise is no motion …"""
+_PASSED: Final = 256
+"""… and so many of them are remembered."""
 _SURE: Final = 0.7
 """So much of the Coulomb friction is missing at least: less may be friction other than told."""
 
@@ -94,6 +98,36 @@ def _stands(late: Sequence[Instant]) -> bool:
     return abs(late[-1].place - late[0].place) < _MOVED
 
 
+class _Way:
+    """What the monitors' pull has done on a pair's last half millimetre, however slow that was."""
+
+    def __init__(self) -> None:
+        self._work = 0.0
+        self._passed: deque[tuple[float, float]] = deque(maxlen=_PASSED)
+
+    def note(self, place: float, pull: float) -> None:
+        """Take a place, m, and the pull there, N."""
+        passed = self._passed
+        if not passed:
+            passed.append((place, 0.0))
+            return
+        way = place - passed[-1][0]
+        if abs(way) < _STEP:
+            return
+        self._work += pull * way
+        passed.append((place, self._work))
+
+    def missing(self, friction: SealFriction) -> float:
+        """Return the force that moved it beside the pull, N, as `missing_pull` does."""
+        for then, before in reversed(self._passed):
+            now, done = self._passed[-1]
+            way = now - then
+            if abs(way) >= _MOVED:  # what only gives takes nothing: net ways count
+                missing = _LEAST_FRICTION * friction.coulomb - (done - before) / abs(way)
+                return math.copysign(missing, way) if missing > _SURE * friction.coulomb else 0.0
+        return 0.0
+
+
 class PullBalance:
     """Remembers how pairs moved and what their monitors said, and tells what does not fit.
 
@@ -134,14 +168,18 @@ class PullBalance:
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
         self._history: deque[tuple[float, Sequence[float], Sequence[float]]] = deque(maxlen=_KEPT)
+        self._ways = [_Way() for _ in self._pairs]
 
     def restart(self) -> None:
         """Forget the past: a new motion starts."""
         self._history.clear()
+        self._ways = [_Way() for _ in self._pairs]
 
     def note(self, now: float, rods: Sequence[float], pressures: Sequence[float]) -> None:
         """Take a cycle's rods (m, run in) and what the monitors say, Pa gauge."""
         self._history.append((now, rods, pressures))
+        for pair, way in zip(self._pairs, self._ways, strict=True):
+            way.note(*self._place_and_pull(pair, rods, pressures))
 
     @property
     def rods(self) -> list[Sequence[float]]:
@@ -191,6 +229,25 @@ class PullBalance:
             return None
         blamed = self._blame(self._pulls_back(off, pair))
         return f"{blamed}{_STUCK}: it stays off though {against:.0f} N pull it back"
+
+    def explain_crept(self, pair: int) -> str | None:
+        """Return why a pair that sticks now was last moved by more than its pressures.
+
+        None: it was not. A chamber that has lost its air lets a pair creep against what its
+        monitor says, too slowly for `explain`.
+
+        Parameters
+        ----------
+        pair : int
+            Its number.
+        """
+        missing = self._ways[pair].missing(self._friction)
+        if not missing:
+            return None
+        weak = self._pairs[pair][0 if missing < 0.0 else 1]
+        return (
+            f"{self._blame(weak)}: what last moved it was {abs(missing):.0f} N more than pressures"
+        )
 
     def drives(self, off: float, pair: int) -> bool:
         """Return whether a pair's own pressures pull it to where it is off, beyond its friction.
@@ -242,14 +299,18 @@ class PullBalance:
         return missing_pull(self._instants(pair), self._mass, self._friction, sticks=sticks)
 
     def _instants(self, pair: tuple[int, int]) -> list[Instant]:
-        one, other = pair
         instants = []
         for t, rods, pressures in self._history:
-            place = 0.5 * (rods[one] - rods[other])
-            falls = self._falling * place * sum(pressures) / len(pressures)
-            pull = self._area * (pressures[one] - pressures[other] + falls)
-            instants.append(Instant(t, place, pull))
+            instants.append(Instant(t, *self._place_and_pull(pair, rods, pressures)))
         return instants
+
+    def _place_and_pull(
+        self, pair: tuple[int, int], rods: Sequence[float], pressures: Sequence[float]
+    ) -> tuple[float, float]:
+        one, other = pair
+        place = 0.5 * (rods[one] - rods[other])
+        falls = self._falling * place * sum(pressures) / len(pressures)
+        return place, self._area * (pressures[one] - pressures[other] + falls)
 
 
 def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:
