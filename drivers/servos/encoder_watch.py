@@ -1,6 +1,7 @@
 """Whether the encoder of a servo shows what its motor does."""
 
 from collections import deque
+from itertools import pairwise
 from typing import Final
 
 _SPAN: Final = 0.03  # s: three of these windows fit into a tenth of a second
@@ -9,6 +10,7 @@ _COUNTS: Final = 6.0  # of motion as well: a coarse encoder shows less of it
 _SAMPLES: Final = 4  # of a window at least: a gap between two of them says nothing
 _AGAINST: Final = 0.5  # of the motion
 _STEADY: Final = 0.5  # of its way, there and back: a joint that rattles is sampled too slowly
+_ALONG: Final = 0.1  # of its way, along with the motor: what counts backwards does so at each step
 _LONG: Final = 0.5  # s, over which a zero that wanders shows
 _APART: Final = 0.02  # rad in that time; on the shipped rigs it is 0.002 at most
 _RESTING: Final = 0.03  # rad: only of a joint that hardly moves in that time
@@ -77,7 +79,7 @@ class EncoderWatch:
             return None
         shown = (position - trail[0][1]) * (1.0 if way > 0.0 else -1.0)
         is_steady = abs(way) >= _STEADY * (self._gone - trail[0][3])
-        if is_steady and shown <= -_AGAINST * abs(way):
+        if is_steady and shown <= -_AGAINST * abs(way) and not self._goes_along():
             return "its encoder is mirrored: the position goes against the motor"
         if abs(shown) > self._still:  # it has moved, wherever it was in between
             return None
@@ -85,6 +87,19 @@ class EncoderWatch:
         if max(positions) - min(positions) <= self._still:
             return "its encoder is frozen: the position does not change while the motor turns"
         return None
+
+    def _goes_along(self) -> bool:
+        """Return whether some of the position's steps go along with the motor.
+
+        A blow turns a joint between two samples, and no velocity shows it: one that rattles on
+        the floor goes along with its motor from blow to blow.
+        """
+        along = gone = 0.0
+        for before, after in pairwise(self._trail):
+            step = after[1] - before[1]
+            gone += abs(step)
+            along += abs(step) if step * (after[2] - before[2]) > 0.0 else 0.0
+        return along > _ALONG * gone
 
     def _look_far(self, t: float, position: float) -> str | None:
         """Say whether the position leaves the motor's, little by little."""
