@@ -13,6 +13,7 @@ from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
 from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
 from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
+from rig.mechanisms.pneumatic.alarms.unheld import explain_unheld
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 CHANNELS = ("agonist", "antagonist")
@@ -137,7 +138,9 @@ class PairWatch:
     def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""
         cause = None
-        if isinstance(error, DeviceFault) and error.device in self._encoders:
+        if not self._history:
+            cause = explain_unheld(error, self._encoders, "the carriage")
+        elif isinstance(error, DeviceFault) and error.device in self._encoders:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
             if self._runs(k):

@@ -17,6 +17,7 @@ from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
 from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
 from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.unheld import explain_unheld
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 _SPEED_WINDOW = 0.01
@@ -152,6 +153,8 @@ class JointWatch:
             return error if cause is None else SafetyError(f"{cause} ({error})")
         if isinstance(error, Strayed):
             return self._explain_strayed(error, state)
+        if not self._cycle and (cause := explain_unheld(error, self._encoders, "the ring")):
+            return SafetyError(f"{cause} ({error})")
         k = self._running_rod(error, state.rods)
         if k is None:
             return error

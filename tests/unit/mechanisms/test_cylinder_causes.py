@@ -137,6 +137,24 @@ def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause
     assert rods.watch.explain(other) is other
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_a_rod_that_nobody_has_seen_before_may_have_been_drawn_out_by_a_push(name):
+    """Empty chambers hold nothing, and the other rod stays where it is: its wire gets slack."""
+    jump = DeviceFault(name, "it jumps", value="+0.001445 m", bound="0.001 m")
+    said = Rods().watch.explain(jump)
+    assert isinstance(said, SafetyError)
+    assert str(said) == (
+        f"{name} is wrong, or the carriage was pushed or struck while empty chambers held it "
+        f"({jump})"
+    )
+    seen = Rods()
+    seen.cycle(0.0, 0.0)
+    assert seen.watch.explain(jump) is jump
+    other = DeviceFault("regulators", "it is gone", bound="1 s")
+    for error in (DeviceFault(name, "it reports an alarm"), other, FAST):
+        assert Rods().watch.explain(error) is error
+
+
 def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
     ran = 0.3 * SPEED * PERIOD
     jumps = [DeviceFault(name, "it jumps") for name in NAMES]

@@ -115,6 +115,21 @@ def test_an_encoder_that_complains_in_the_first_cycle_is_believed():
     assert told.watch.explain(error, state) is error
 
 
+@pytest.mark.parametrize("name", ENCODERS)
+def test_a_rod_that_nobody_has_seen_before_may_have_been_drawn_out_by_a_push(name):
+    jump = DeviceFault(name, "it jumps", value="+0.001445 m", bound="0.001 m")
+    told = Rods()
+    said = told.watch.explain(jump, told.state(UPRIGHT))
+    assert isinstance(said, SafetyError)
+    assert str(said) == (
+        f"{name} is wrong, or the ring was pushed or struck while empty chambers held it ({jump})"
+    )
+    other = DeviceFault("regulators", "it is gone", bound="1 s")
+    for error in (DeviceFault(name, "it reports an alarm"), other):
+        assert told.watch.explain(error, told.state(UPRIGHT)) is error
+    assert told.watch.explain(jump, told.check(UPRIGHT)) is jump
+
+
 def test_a_rod_at_just_the_share_of_its_speed_did_not_run():
     error = DeviceFault(ENCODERS[0], "it jumps")
     way = 2.0**-8
