@@ -46,6 +46,11 @@ is on stdout, as JSON (a line for each frame of `rig monitor`), and words are on
 `{"error": …, "exit": …}` there. The folder
 of runs is `--out` or `--runs`, whichever comes to mind; `rig export`, `rerun` and `replay` look for
 a run in `--runs`, and write what `--out` says.
+
+Rigs, experiments, calibrations, tuned gains and acceptance records are read from the folder
+`configs` where you work, then from the program's own. They are written into the first alone, which
+is made if there is none; nothing is written into the program's. `--configs FOLDER` is the only one,
+for both. `rig new` writes a rig or an experiment where you work, and every command takes its path.
 """
 
 

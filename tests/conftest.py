@@ -9,6 +9,8 @@ import pytest
 import sample_of_the_day
 
 from rig import plug_ins, provenance
+from rig.commissioning import record
+from rig.config import calibration, names
 
 pytest_plugins = "rig.testing.plugin"
 
@@ -36,6 +38,27 @@ def _state_of_its_own(tmp_path_factory):
     """Keep the faults of this user's rigs out of the tests, and theirs out of this user's rigs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_records_of_this_checkout():
+    """Keep what this user found and tested of the shipped rigs out of the tests."""
+
+    def elsewhere(search):
+        return [folder for folder in search if folder.resolve() != names.SHIPPED]
+
+    def found(rig, device, search):
+        return calibration.find_calibration(rig, device, elsewhere(search))
+
+    def loaded(rig, search):
+        return record.load_record(rig, elsewhere(search))
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("rig.config.laid_over", "rig.calibration.store"):
+            patch.setattr(f"{module}.find_calibration", found)
+        for module in ("permission", "session"):
+            patch.setattr(f"rig.commissioning.{module}.load_record", loaded)
         yield
 
 

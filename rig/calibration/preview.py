@@ -1,9 +1,11 @@
 """What a procedure will move and how far, said before anything is opened."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from rig.calibration.procedure import AnyProcedure, Excitation, FilesOffered
 from rig.config import Profile, format_quantity
+from rig.config.names import say_where
 
 
 def preview(
@@ -11,6 +13,7 @@ def preview(
     profile: Profile,
     excitation: Excitation | None,
     files: FilesOffered | None = None,
+    configs: Path | None = None,
 ) -> Iterator[str]:
     """Yield sentences on what will happen.
 
@@ -22,6 +25,8 @@ def preview(
         Of the procedure; None: nothing moves.
     files : FilesOffered, optional
         What a procedure without a motion may read.
+    configs : Path, optional
+        The folder of configurations that is written into, to be told.
 
     Raises
     ------
@@ -31,7 +36,10 @@ def preview(
     reads = [] if files is None else list(procedure.describe_files(files))
     yield f"{procedure.name}: {procedure.title}"
     yield from (f"  {sentence}" for sentence in reads)
+    names = ", ".join(f"{name}.yaml" for name in procedure.targets(profile))
+    into = "" if configs is None else f", calibrations of {profile.name} in {say_where(configs)}"
     if excitation is None:
+        yield f"  writes: {names}{into}"
         return
     motion = excitation.motion
     if not motion.segments:
@@ -50,4 +58,4 @@ def preview(
             f"  to be read: {instrument.name}, {len(instrument.stretches)} times, "
             f"to {accuracy} or better"
         )
-    yield f"  writes: {', '.join(f'{name}.yaml' for name in procedure.targets(profile))}"
+    yield f"  writes: {names}{into}"

@@ -173,7 +173,7 @@ def _calibrate(
         click.echo(f"{procedure.name}: {lack}", err=True)
         return 0 if options["every"] else 3  # the others do not need it
     try:
-        for sentence in preview(procedure, profile, excitation, files):
+        for sentence in preview(procedure, profile, excitation, files, search[0]):
             click.echo(sentence, err=True)
         if options["readings"] is not None:  # what is wrong with it is said before anything moves
             read_instruments(

@@ -72,7 +72,7 @@ def commission(rig: str, **options: Any) -> int:
     from rig.commissioning.session import commission as commission_rig
     from rig.commissioning.site import Site
     from rig.config import load_profile
-    from rig.config.names import find_configs
+    from rig.config.names import find_configs, say_where
     from rig.experiment.ending import EXIT_INTERRUPTED
     from rig.hal import ConfigurationError
     from rig.hal.files import check_writable
@@ -105,6 +105,7 @@ def commission(rig: str, **options: Any) -> int:
     )  # fmt: skip
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
+    click.echo(f"the record of {profile.name} is kept in {say_where(search[0])}", err=True)
     seed = "" if options["seed"] is None else f" --seed {options['seed']}"
     again = f"rig commission {profile.argument} --on {on}{seed}"
     try:

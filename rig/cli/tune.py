@@ -61,7 +61,8 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     --diff and --restore take controllers.LAW for a device. Interrupted, the same command goes on
     from what it has kept among the runs.
     """
-    from rig.config.names import find_configs
+    from rig.calibration.store import check_writable
+    from rig.config.names import find_configs, say_where
     from rig.sweeping.errors import SweepStopped
     from rig.tuning.attempt import keep_attempt
     from rig.tuning.search import GainSearch
@@ -73,9 +74,12 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
         rig, controller, experiment, tuple(options["overrides"]),
         None if configs is None else str(configs.resolve()), options["seed"],
     )  # fmt: skip
-    bench = Workbench(request)
+    bench, places = Workbench(request), find_configs(configs)
     folder = _folder(options["out"], bench, request)
     _announce(bench, options["generations"], folder)
+    if not options["dry_run"]:
+        check_writable(places[0], bench.profile.name)
+        click.echo(f"gains are put in force in {say_where(places[0])}", err=True)
     try:
         search = GainSearch(
             bench, request, folder, options["workers"] or os.cpu_count() or 1,
@@ -102,7 +106,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     for sentence in traded:
         click.echo(sentence, err=True)
     keep_attempt(folder, controller, options["generations"], against, is_put=is_put)
-    file = _apply(bench, request, now, find_configs(configs), options) if is_put else None
+    file = _apply(bench, request, now, places, options) if is_put else None
     if options["as_json"]:
         print_json({
             "folder": folder, "unit": bench.unit, "before": _as_data(before), "now": _as_data(now),

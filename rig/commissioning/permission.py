@@ -117,10 +117,15 @@ def verdict_of(
 
 
 def configs_of(profile: Profile) -> list[Path]:
-    """Return the folders of configurations of a profile, its own first."""
-    files = profile.files
-    own = [files[0].parent.parent] if files and files[0].parent.name == "rigs" else []
-    return [*own, *find_configs()]
+    """Return the folders in which records of a profile may be, in the order of commands.
+
+    A profile of another folder has its own one first, and no record beside the program's profiles.
+    """
+    usual, files = find_configs(), profile.files
+    folder = files[0].resolve().parent if files else None
+    if folder is None or folder in [(at / "rigs").resolve() for at in usual]:
+        return list(usual)
+    return [folder.parent, usual[0]] if folder.name == "rigs" else [usual[0]]
 
 
 def _held_back(plan: Plan) -> Plan:

@@ -36,7 +36,8 @@ def find_configs(given: Path | None = None) -> tuple[Path, ...]:
     Returns
     -------
     tuple of Path
-        Default: ``configs`` in the working directory, then the one beside this package.
+        Default: ``configs`` in the working directory, which need not be there, then the one
+        beside this package. Commands write into the first, and only there.
 
     Raises
     ------
@@ -47,9 +48,13 @@ def find_configs(given: Path | None = None) -> tuple[Path, ...]:
         if not is_folder(given):
             raise ConfigurationError(f"{given} is not a folder with configurations")
         return (given,)
-    candidates = (Path("configs"), SHIPPED)
-    found = {path.resolve(): path for path in reversed(candidates) if path.is_dir()}
-    return tuple(reversed(found.values()))
+    here = Path("configs")
+    return (here,) if here.resolve() == SHIPPED else (here, SHIPPED)
+
+
+def say_where(folder: Path) -> str:
+    """Return where commands write, in words: the folder, and whether it has to be made for it."""
+    return str(folder) if is_folder(folder) else f"{folder}, which is made in {Path.cwd()}"
 
 
 def list_files(folder: Folder, search: Sequence[Path]) -> dict[str, Path]:

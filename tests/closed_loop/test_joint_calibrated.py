@@ -35,7 +35,7 @@ METRICS = ("marker_rms", "marker_rms_0.2hz", "marker_rms_0.5hz")
 def bench(tmp_path):
     configs = tmp_path / "configs"
     for kind in ("rigs", "experiments"):
-        shutil.copytree(find_configs()[0] / kind, configs / kind)
+        shutil.copytree(find_configs()[-1] / kind, configs / kind)
     return ["--configs", str(configs), "--out", str(tmp_path / "runs")]
 
 

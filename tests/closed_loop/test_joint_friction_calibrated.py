@@ -23,7 +23,7 @@ DRAWN = [(1.86, 1.0, 0.0), (1.9, 0.67, 3.0), (0.6, 0.67, 3.0), (0.6, 1.5, -3.0),
 @pytest.mark.parametrize(("scale", "bandwidth", "late"), DRAWN)
 def test_what_a_ring_that_sticks_takes_is_found(tmp_path, scale, bandwidth, late):
     configs = tmp_path / "configs"
-    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
     sets = [
         "simulation.seed=7", f"plant.friction_scale={scale}", "plant.friction_spread=0",
         f"plant.regulator.bandwidth={40.0 * bandwidth}",

@@ -19,7 +19,7 @@ WITHIN = 0.06
 def calibrated(folder, rig, seed, scale):
     """Return the friction that `rig calibrate` writes, and the base pressure, SI."""
     configs = folder / "configs"
-    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
     words = ["--configs", str(configs), "--out", str(folder / "runs"), "--on", "sim", "--yes"]
     alike = "plant.friction_spread=0"  # what the unit differs by is none of the question
     sets = [f"simulation.seed={seed}", f"plant.friction_scale={scale}", alike]

@@ -29,7 +29,7 @@ LEGS = (
 @pytest.fixture
 def bench(tmp_path):
     configs = tmp_path / "configs"
-    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
 
     def calibrate(rig, names, options, on):
         words = [word for option in options for word in ("--set", option)]

@@ -78,6 +78,8 @@ def pretended_hardware(tmp_path, monkeypatch):
 
     configs = tmp_path / "configs"
     shutil.copytree(CONFIGS, configs, ignore=shutil.ignore_patterns("calibration", "commissioning"))
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")  # no record of this user's is found here
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setattr("rig.experiment.run.build_rig", build)
     return configs

@@ -11,7 +11,7 @@ from rig.config import find_configs
 
 @pytest.fixture
 def configs(tmp_path):
-    source = find_configs()[0] / "rigs" / "cylinder.yaml"
+    source = find_configs()[-1] / "rigs" / "cylinder.yaml"
     folder = tmp_path / "configs"
     (folder / "rigs").mkdir(parents=True)
     (folder / "rigs" / "cylinder.yaml").write_text(source.read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ def test_what_a_rig_is_fed_and_felt_by_stands_in_no_procedures_way(
 ):
     """A jig presses no sole; a PID bears the dead time of valves and of real regulators."""
     configs = tmp_path / "configs"
-    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
     places = ["--configs", str(configs), "--out", str(tmp_path / "runs")]
     assert invoke(["calibrate", rig, procedure, "--yes", "--on", "sim", *places]) == 0
     assert "faulted" not in capsys.readouterr().err
@@ -93,7 +93,7 @@ def test_what_a_rig_is_fed_and_felt_by_stands_in_no_procedures_way(
 
 
 def test_the_lens_is_found_from_views_of_a_board_and_written(tmp_path, capsys):
-    shutil.copytree(find_configs()[0] / "rigs", tmp_path / "configs" / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", tmp_path / "configs" / "rigs")
     where = ("--configs", str(tmp_path / "configs"), "--out", str(tmp_path / "runs"))
     assert invoke(["calibrate", "joint", "lens", "--yes", "--on", "sim", *where]) == 0
     assert "fx" in capsys.readouterr().out

@@ -28,7 +28,7 @@ def configs(tmp_path):
     folder = tmp_path / "configs"
     for kind, name in (("rigs", "cylinder"), ("experiments", "cylinder-step")):
         (folder / kind).mkdir(parents=True)
-        text = (find_configs()[0] / kind / f"{name}.yaml").read_text(encoding="utf-8")
+        text = (find_configs()[-1] / kind / f"{name}.yaml").read_text(encoding="utf-8")
         (folder / kind / f"{name}.yaml").write_text(text, encoding="utf-8")
     return folder
 

@@ -124,7 +124,7 @@ def test_the_keys_of_answers_are_shown_and_answer_what_is_asked(tmp_path, capsys
 
 def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, capsys, monkeypatch):
     configs = tmp_path / "configs"
-    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
     steps = [s for s in steps_of(unit("cylinder", 1)) if s.name in ("bus", "first-motion")]
     monkeypatch.setattr("rig.commissioning.session.steps_of", lambda _: steps)
     words = ["commission", "cylinder", "--configs", str(configs), "--out", str(tmp_path / "runs")]

@@ -96,7 +96,11 @@ def strict(text):
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lab")
-    shutil.copytree(find_configs(None)[0], folder / "configs")
+    shutil.copytree(
+        find_configs()[-1],
+        folder / "configs",
+        ignore=shutil.ignore_patterns("calibration", "commissioning"),
+    )
     words = ["run", "cylinder-step", "--no-report", "--out", str(folder / "runs"), *QUICK]
     for seed in ("1", "2"):
         more = ["--on", "virtual", "--frames"] if seed == "1" else []

@@ -79,7 +79,9 @@ def runs(tmp_path_factory):
 
 
 def calibrated(folder):
-    configs = shutil.copytree(CONFIGS, folder / "configs")
+    configs = shutil.copytree(
+        CONFIGS, folder / "configs", ignore=shutil.ignore_patterns("calibration", "commissioning")
+    )
     words = ["--on", "sim", "--yes", "--configs", configs, "--out", folder]
     done("calibrate", "cylinder-uncalibrated", "encoders", *words)
     (run,) = folder.glob("*-calibrate-encoders-sim")

@@ -90,7 +90,7 @@ def test_a_drawn_breach_names_both_ends(kind, seed, tmp_path, capsys):
 def test_a_drawn_name_that_an_experiment_gets_wrong_has_its_place(seed, tmp_path, capsys):
     chance = random.Random(seed)
     wrong = "".join(chance.choices("qwxz", k=7))
-    base = (find_configs()[0] / "experiments" / "cylinder-sine.yaml").read_text()
+    base = (find_configs()[-1] / "experiments" / "cylinder-sine.yaml").read_text()
     before = {"rig": r"^rig: .*$", "controller": r"^controller: .*$", "figures": r"^figures: .*$"}
     for key, pattern in before.items():
         value = f"[{wrong}]" if key == "figures" else wrong

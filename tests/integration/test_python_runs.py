@@ -150,7 +150,11 @@ def test_what_is_wrong_of_a_calibration_is_said_before_anything_moves(
 
 def test_a_calibration_is_written(tmp_path):
     configs = tmp_path / "configs"
-    shutil.copytree(Path(__file__).parents[2] / "configs", configs)
+    shutil.copytree(
+        Path(__file__).parents[2] / "configs",
+        configs,
+        ignore=shutil.ignore_patterns("calibration", "commissioning"),
+    )
     done = rig.calibrate(
         "cylinder-uncalibrated", "encoders", out=tmp_path, configs=configs, on="sim"
     )

@@ -15,7 +15,7 @@ def configs(tmp_path):
     rigs = tmp_path / "configs" / "rigs"
     rigs.mkdir(parents=True)
     for name in ("arm", "legs"):
-        source = find_configs()[0] / "rigs" / f"{name}.yaml"
+        source = find_configs()[-1] / "rigs" / f"{name}.yaml"
         (rigs / source.name).write_text(source.read_text(encoding="utf-8"))
     return rigs.parent
 

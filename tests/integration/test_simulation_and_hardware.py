@@ -1,10 +1,10 @@
 """What was measured in simulation is never taken for the rig's, and a rig never moves unasked."""
 
 import json
+import shutil
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
-from shutil import copytree
 
 import click
 import numpy as np
@@ -32,7 +32,9 @@ SLOW = ("buses.can0.heartbeat=100 ms", "buses.can0.heartbeat_timeout=300 ms")
 def lab(tmp_path, monkeypatch):
     """Return what runs a `rig` command in a lab of its own."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    copytree(CONFIGS, tmp_path / "configs")
+    shutil.copytree(
+        CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration", "commissioning")
+    )
 
     def run(command, *words):
         places = ["--configs", str(tmp_path / "configs")]

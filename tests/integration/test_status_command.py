@@ -32,7 +32,9 @@ PROCEDURES = {
 @pytest.fixture
 def configs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a name is found here
-    shutil.copytree(CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration"))
+    shutil.copytree(
+        CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration", "commissioning")
+    )
     return tmp_path / "configs"
 
 

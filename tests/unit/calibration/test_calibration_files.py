@@ -18,7 +18,7 @@ SERIAL = "devices.encoder-agonist.serial=7"
 
 @pytest.fixture
 def configs(tmp_path):
-    source = find_configs()[0] / "rigs" / "cylinder.yaml"
+    source = find_configs()[-1] / "rigs" / "cylinder.yaml"
     (tmp_path / "rigs").mkdir()
     (tmp_path / "rigs" / "cylinder.yaml").write_text(source.read_text(encoding="utf-8"))
     return tmp_path
