@@ -55,7 +55,7 @@ def _no_records_of_this_checkout():
         return record.load_record(rig, elsewhere(search))
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("rig.config.laid_over", "rig.calibration.store"):
+        for module in ("rig.config.laid_over", "rig.config.profile", "rig.calibration.store"):
             patch.setattr(f"{module}.find_calibration", found)
         for module in ("permission", "session"):
             patch.setattr(f"rig.commissioning.{module}.load_record", loaded)

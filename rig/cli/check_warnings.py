@@ -21,10 +21,12 @@ def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
         The folder of configurations that was asked for.
     """
     from rig.cli.inherited import inherited_sentences
+    from rig.config.calibration_state import sentences_of_bases
     from rig.config.names import find_configs
 
     inherited = inherited_sentences(profile, find_configs(configs))
-    return [*_of_broken_parts(profile), *inherited, *_strange_units(profile)]
+    bases = sentences_of_bases(profile)
+    return [*_of_broken_parts(profile), *inherited, *bases, *_strange_units(profile)]
 
 
 def _of_broken_parts(profile: Profile) -> Iterator[str]:

@@ -63,6 +63,7 @@ def status(
     """
     from rig.assembly import REGISTRY
     from rig.config import load_profile
+    from rig.config.calibration_state import sentences_of_bases
     from rig.config.names import find_configs
 
     search = find_configs(configs)
@@ -76,11 +77,14 @@ def status(
             "stages": [stage._asdict() for stage in stages],
             "next": following or None,
             "next_in_simulation": simulated,
+            "notes": sentences_of_bases(profile),
         }
         print_json(shown)
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(title, ("what", "state"), rows)])
+    for sentence in sentences_of_bases(profile):
+        click.echo(f"note: {sentence}", err=True)
     if following:
         click.echo(f"next: {_with_reason(following, steps)}", err=True)
     if simulated is not None and simulated != following:

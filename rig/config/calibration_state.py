@@ -66,6 +66,19 @@ def calibration_states(
     return tuple(found)
 
 
+def sentences_of_bases(profile: Profile) -> list[str]:
+    """Say which rigs that a profile extends are calibrated where it is not, and what mends it."""
+    of: dict[str, list[str]] = {}
+    for target, base in profile.calibrated_bases.items():
+        of.setdefault(base, []).append(target)
+    return [
+        f"{profile.name} extends {base}, and has nothing of its calibration "
+        f"({', '.join(targets)}): calibrations are of one rig; find its own with: "
+        f"rig calibrate {profile.argument} --all"
+        for base, targets in of.items()
+    ]
+
+
 def _not_ours(calibration: Calibration) -> str:
     return (
         f"({calibration.file}) belongs to another rig: {calibration.provenance.profile}, and is "

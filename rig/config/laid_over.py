@@ -18,12 +18,13 @@ TUNED: Final = "controllers."
 
 
 class Laid(NamedTuple):
-    """A document with its calibrations, those that are another rig's, and what was read."""
+    """A document with its calibrations, those of another rig, what was read, who has none."""
 
     document: Node
     calibrations: dict[str, Calibration]
     foreign: dict[str, Calibration]
     files: list[Path]
+    without: list[str]
 
 
 def lay_calibrations(
@@ -45,6 +46,7 @@ def lay_calibrations(
     calibrations: dict[str, Calibration] = {}
     foreign: dict[str, Calibration] = {}
     files: list[Path] = []
+    without: list[str] = []
     for name, keys, wanted in _calibratable(root) if rig else ():
         below, taken = written.descend(keys)
         choice = wanted.get("calibration")
@@ -56,6 +58,7 @@ def lay_calibrations(
             continue  # refused, or already laid over: a resolved profile
         found = find_calibration(rig, name, search)
         if found is None:
+            without.append(name)
             if wish is True and choice is not None and not name.startswith(TUNED):
                 problems.add(
                     choice.mark,
@@ -81,7 +84,7 @@ def lay_calibrations(
             calibrations[name] = replace(calibration, replaced=values.plain())
             laid = Override(keys, lay_over(below, values))
             written = apply_overrides(written, [laid], problems)
-    return Laid(written, calibrations, foreign, files)
+    return Laid(written, calibrations, foreign, files, without)
 
 
 def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:

@@ -225,6 +225,9 @@ class Profile:
     foreign : dict
         Calibrations that lie under the profile's name and are another rig's: not in force, by
         device, mechanism or ``controllers.LAW``; no part of its value.
+    calibrated_bases : dict
+        The rig that this one extends and that is calibrated where this one is not, by device,
+        mechanism or ``controllers.LAW``; no part of its value.
     places : dict
         Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
     additions : tuple of str
@@ -247,6 +250,7 @@ class Profile:
     uncalibrated: object = None
     tunings: dict[str, Calibration] = field(default_factory=dict, compare=False)
     foreign: dict[str, Calibration] = field(default_factory=dict, compare=False)
+    calibrated_bases: dict[str, str] = field(default_factory=dict, compare=False)
     places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
     additions: tuple[str, ...] = ()
 

@@ -9,6 +9,7 @@ from annotated_types import Ge
 
 from rig.config.calibration import (
     COMMON_KEYS,
+    find_calibration,
     pruned,
     read_provenance,
     with_replaced,
@@ -131,14 +132,15 @@ def load_profile(
     # A profile outside of the folders that are searched still finds its own calibrations.
     folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
     laid = lay_calibrations(document.root, root, rig, document.files, folders, problems)
-    calibrated, calibrations, foreign, files = laid
+    calibrated, calibrations, foreign, files, without = laid
     bare = root
     root = apply_overrides(calibrated, options, problems)
     reader = _Reader(root, registry, problems, calibrations, foreign, bare)
     profile = reader.read(rig, (*document.files, *files))
     problems.raise_if_any()
     assert profile is not None
-    return profile
+    measured = _calibrated_bases(rig, document.files[:0:-1], without, folders)
+    return replace(profile, calibrated_bases=measured)
 
 
 def rig_name(source: str, search: Sequence[Path]) -> str:
@@ -164,6 +166,19 @@ def rig_name(source: str, search: Sequence[Path]) -> str:
     name = _name(load_document(path, "rigs", search, problems).root, path, problems)
     problems.raise_if_any()
     return name
+
+
+def _calibrated_bases(
+    rig: str, bases: Sequence[Path], targets: Sequence[str], search: Sequence[Path]
+) -> dict[str, str]:
+    """Return the rig that is calibrated where the one that extends it is not; a nearer one wins."""
+    names = [name for base in bases if (name := rig_name(str(base), search)) != rig]
+    return {
+        target: name
+        for name in (names if targets else ())
+        for target in targets
+        if find_calibration(name, target, search) is not None
+    }
 
 
 def _name(root: Node, path: Path, problems: Problems) -> str:

@@ -11,6 +11,7 @@ from rig.assembly.channels import channels_of
 from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.commissioning.permission import as_commissioned
+from rig.config.calibration_state import sentences_of_bases
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -147,6 +148,7 @@ def run_experiment(
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
     notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
     if heed_calibrations:
+        doubts += sentences_of_bases(plan.profile)
         plan, notes = as_commissioned(plan, backend, uncommissioned)
     rig_names = plan.profile.name, plan.profile.argument
     latch = FaultLatch(*rig_names) if backend is Backend.HARDWARE else None
