@@ -17,7 +17,7 @@ def keep(configs, rig, *targets):
     """Write calibrations that change nothing."""
     for target in targets:
         provenance = {"procedure": "encoders", "date": "2026-11-21", "operator": "nobody",
-                      "backend": "virtual", "profile": f"rigs/{rig}.yaml"}  # fmt: skip
+                      "backend": "virtual"}  # fmt: skip
         content = {"values": {}, "measured": [], "provenance": provenance}
         store.write(configs, rig, target, content)
 
