@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple
 
+from rig.config.diagnostics import nearest
 from rig.config.quantities import parse_quantity
 from rig.hal import ConfigurationError
 from rig.run_facts import RunStatus
@@ -101,12 +102,12 @@ def choose(where: str, runs: Sequence[Candidate]) -> list[bool]:
     for term in terms:
         if term.name == "status" and term.text not in statuses:
             raise ConfigurationError(
-                f"--where: no run has the status {term.text!r}; there are {', '.join(statuses)}"
+                f"--where: no run has the status {term.text!r}; {nearest(term.text, statuses)}"
             )
         if runs and term.name not in (*NAMES, *metrics):
             raise ConfigurationError(
-                f"--where: no run here has a metric {term.name!r}; there are "
-                f"{', '.join(metrics) or 'none'}, and {', '.join(NAMES)}"
+                f"--where: no run here has a metric {term.name!r}; "
+                f"{nearest(term.name, (*NAMES, *metrics))}"
             )
     return [all(term.holds(*run) for term in terms) for run in runs]
 

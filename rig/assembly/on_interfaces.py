@@ -1,6 +1,7 @@
 """Other interfaces than the profile's, from the command line: ``vcan0``, ``slcan:/dev/ttyACM0``."""
 
 import re
+from difflib import get_close_matches
 from typing import Any
 
 from rig.assembly.buses import is_can
@@ -30,9 +31,11 @@ def backend_of(on: str) -> Backend:
     if on in list(Backend):
         return Backend(on)
     if ":" not in on and not any(map(str.isdigit, on)):
+        near = get_close_matches(on, [str(name) for name in Backend], n=1)
+        hint = f" Did you mean {near[0]}?" if near else ""
         raise ConfigurationError(
             f"{on!r} is neither one of {', '.join(Backend)} nor a CAN interface such as vcan0, "
-            "vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0."
+            f"vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0.{hint}"
         )
     first = on.split(",", maxsplit=1)[0]
     interface, channel = _split(first.partition("=")[2] or first)

@@ -132,34 +132,39 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
     from rig.cli.command_table import COMMANDS
     from rig.explaining.exit_codes import EXIT_CODES
     from rig.explaining.faults import fault_topics, refusal_topics
+    from rig.explaining.report_words import report_word, report_words
 
     if word.endswith(_LOWER):  # of a metric with both bounds
         return _known(word.removesuffix(_LOWER))
+    told = report_word(word)
+    said = [] if told is None else [(told, report_words()[told])]
     for topic in (*fault_topics(), *refusal_topics()):
         if topic.name == word:
             from rig.explaining.glossary import without_keys
 
             measures = [w for w in without_keys() if w.name == word]
-            return [*topic.remarks(), *((_title(w), w.text) for w in measures)]
+            return [*topic.remarks(), *said, *((_title(w), w.text) for w in measures)]
     if word in COMMANDS:
-        return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
+        return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more."), *said]
     if word in EXIT_CODES:
         return [(f"exit code {word}", EXIT_CODES[word])]
+    return [*said, *_names_of_code(word, is_told=told is not None)]
+
+
+def _names_of_code(word: str, *, is_told: bool) -> Sequence[tuple[str, str]]:
+    """Return the keys, parts, laws, measures and figures of a name, or those that end with it."""
     from rig.explaining.glossary import (  # imports every law and measure
         glossary,
         without_keys,
     )
-    from rig.explaining.report_words import REPORT_WORDS
 
     found = [w for w in without_keys() if w.name == word]
-    if (not found or _is_part(word)) and word not in REPORT_WORDS:
+    if not found or _is_part(word):
         words = glossary()
         found = [w for w in words if w.name == word]
         if not any(w.kind.endswith("key") for w in found):  # parts and figures hide no key
             found += [w for w in words if w.name.endswith(f".{word}")]
-        found = found or _metric(word, words)
-    if word in REPORT_WORDS:
-        return [(word, REPORT_WORDS[word]), *((_title(w), w.text) for w in found[:_MOST])]
+        found = found or ([] if is_told else _metric(word, words))
     if len(found) > _MOST:
         names = sorted({w.name for w in found})
         return [(word, f"{len(names)} keys end so; say which: {', '.join(names)}")]
@@ -196,7 +201,8 @@ def _names() -> list[str]:
     from rig.cli.command_table import COMMANDS
     from rig.explaining.faults import fault_topics, refusal_topics
     from rig.explaining.glossary import glossary
+    from rig.explaining.report_words import report_words
 
     names = {name for w in glossary() for name in (w.name, w.name.rpartition(".")[2])}
     topics = (*fault_topics(), *refusal_topics())
-    return sorted({*names, *COMMANDS, *(topic.name for topic in topics)})
+    return sorted({*names, *COMMANDS, *report_words(), *(topic.name for topic in topics)})

@@ -50,11 +50,7 @@ class OnBackend(_Completed):
             try:
                 backend_of(text)
             except ConfigurationError as error:
-                from difflib import get_close_matches
-
-                near = get_close_matches(text, BACKENDS, n=1)
-                hint = f" Did you mean {near[0]}?" if near else ""
-                self.fail(f"{error}{hint}", param, ctx)
+                self.fail(str(error), param, ctx)
         return text
 
     def names(self) -> Iterable[str]:

@@ -78,8 +78,9 @@ def test_a_run_is_listed_with_the_metric_that_was_asked_for(where, runs, capsys)
         ("marker_rms", "no comparison"), ("", "no comparison"), ("status < ok", "a word"),
         ("marker_rms < 1 mm or rig = joint", "marker_rms"),
         ("__import__('os').system('x')", "no comparison"),
-        ("marker_rsm < 1 mm", "there are marker_rms, rise_time, and status, rig"),
-        ("status = okay", "there are running, ok, failed"), ("status != fine", "'fine'"),
+        ("marker_rsm < 1 mm", "did you mean marker_rms?"), ("x < 1", "there are: backend, exp"),
+        ("status = okay", "did you mean ok?"), ("status = x", "there are: aborted, crashed"),
+        ("status != fine", "'fine'"),
     ],
 )  # fmt: skip
 def test_what_is_no_question_is_a_sentence(where, words, runs, capsys):
