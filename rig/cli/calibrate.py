@@ -44,7 +44,7 @@ _DAY = 86_400.0
 @click.option("--all", "every", is_flag=True, help="Every procedure of the rig, in order.")
 @click.option(
     "--yes", is_flag=False, flag_value="", metavar="[NAME]",
-    help="Ask nothing; on hardware with the rig's name.",
+    help="The rig's name: on hardware, in the place of typing it. Alone: in simulation.",
 )  # fmt: skip
 @click.option("--dry-run", is_flag=True, help="Show what would move and how far; open nothing.")
 @click.option(

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.file_kinds import asks_of_experiment, experiment_of_same_name, is_experiment
-from rig.cli.names import complete_config, configs_option, json_option, rig_option, set_option
+from rig.cli.names import (
+    complete_config,
+    configs_option,
+    json_option,
+    rig_option,
+    seed_option,
+    set_option,
+    with_seed,
+)
 from rig.cli.on_option import OnBackend
 from rig.cli.patience import told_if_long
 from rig.cli.tables import print_json, print_tables
@@ -22,6 +30,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("source", metavar="PROFILE|EXPERIMENT", shell_complete=complete_config)
 @set_option
+@seed_option
 @rig_option
 @configs_option
 @click.option(
@@ -40,6 +49,7 @@ if TYPE_CHECKING:
 def check(
     source: str,
     overrides: tuple[str, ...],
+    seed: int | None,
     rig_name: str | None,
     configs: Path | None,
     on: str | None,
@@ -62,7 +72,7 @@ def check(
     )
     from rig.cli.loops import advice, describe_loop
 
-    profile, plan = load(source, overrides, configs, rig_name)
+    profile, plan = load(source, with_seed(overrides, seed), configs, rig_name)
     if values is not None:
         from rig.cli.origins import origins_of, origins_table
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import OneOf, complete_rig, configs_option, json_option
+from rig.cli.names import OneOf, complete_rig, configs_option, json_option, workers_option
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -131,13 +131,7 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
     show_default=True,
     help="Of the drawing: the same seed gives the same cases.",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(1, 1024),
-    default=os.cpu_count() or 1,
-    show_default=True,
-    help="How many processes.",
-)
+@workers_option
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),

@@ -5,6 +5,7 @@ Completion runs at every press of the tabulator: it lists folders and opens no f
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -140,8 +141,9 @@ def _complete(names: list[str], incomplete: str) -> list[CompletionItem]:
 
 
 configs_option = click.option(
-    "--configs", type=click.Path(path_type=Path), help="Folder of configurations."
-)
+    "--configs", type=click.Path(path_type=Path),
+    help="Folder of configurations; default: configs where you work, then the program's own.",
+)  # fmt: skip
 set_option = click.option(
     "--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting."
 )
@@ -191,4 +193,8 @@ uncommissioned_option = click.option(
     metavar="REASON",
     help="All of the speed and the effort from hardware that is not commissioned; kept in the run.",
 )
+workers_option = click.option(
+    "--workers", type=click.IntRange(1, 1024), default=os.cpu_count() or 1, show_default=True,
+    help="How many processes.",
+)  # fmt: skip
 json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")

@@ -24,7 +24,10 @@ _LOOK_EVERY = 0.02
     "--on", "on", type=OnBackend(), default="hardware", show_default=True,
     help="Where the emergency stop is read, as for `rig run`.",
 )  # fmt: skip
-@click.option("--wait", default=60.0, show_default=True, help="For the emergency stop, s.")
+@click.option(
+    "--wait", type=click.FloatRange(min=0), default=60.0, show_default=True, metavar="SECONDS",
+    help="For how long at most the emergency stop is waited for.",
+)  # fmt: skip
 @yes_option
 @set_option
 @configs_option

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_rig, configs_option, json_option, set_option
+from rig.cli.names import (
+    complete_rig,
+    configs_option,
+    json_option,
+    seed_option,
+    set_option,
+    with_seed,
+)
 from rig.cli.tables import print_json
 from rig.cli.terminal_line import TerminalLine
 
@@ -39,6 +46,7 @@ _REDRAW = 0.5  # of the status line, s
     help="End by itself.",
 )  # fmt: skip
 @set_option
+@seed_option
 @configs_option
 @json_option
 def simulate(
@@ -46,6 +54,7 @@ def simulate(
     on: str,
     duration: float | None,
     overrides: tuple[str, ...],
+    seed: int | None,
     configs: Path | None,
     as_json: bool,
 ) -> int:
@@ -63,7 +72,7 @@ def simulate(
     from rig.runtime.realtime import real_time
     from rig.runtime.stop import StopRequests
 
-    profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
+    profile = load_profile(rig, REGISTRY, with_seed(overrides, seed), find_configs(configs))
     check_profile(profile)
     has_can = any(map(is_can, profile.buses.values()))
     interfaces = parse_interfaces(on, profile) if has_can else {}

@@ -48,7 +48,10 @@ _TOLD = {"failed": "missed a bound"}
 )  # fmt: skip
 @rig_option
 @set_option
-@click.option("--workers", type=int, default=None, help="Points at once; default: processors.")
+@click.option(
+    "--workers", type=click.IntRange(1, 1024),
+    help="How many processes; default: what the file says, else every core.",
+)  # fmt: skip
 @click.option("--dask", metavar="ADDRESS", help="A Dask scheduler: tcp://host:8786, or its file.")
 @click.option("--stop-when", metavar="'METRIC < BOUND'", help="End with the first such point.")
 @click.option("--budget", metavar="TIME", help="Begin no point after 30 min, or '500 points'.")

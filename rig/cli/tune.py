@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import getpass
 import hashlib
-import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from rig.cli.names import (
     json_option,
     out_option,
     set_option,
+    workers_option,
 )
 from rig.cli.tables import Table, print_json, print_tables
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
               help="Of twelve candidates each.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True,
               help="Of the plants and of the search.")  # fmt: skip
-@click.option("--workers", type=click.IntRange(1, 1024), help="Processes; default: every core.")
+@workers_option
 @click.option("--dry-run", is_flag=True, help="Search and judge, but put nothing in force.")
 @click.option(
     "--replace",
@@ -82,7 +82,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
         click.echo(f"gains are put in force in {say_where(places[0])}", err=True)
     try:
         search = GainSearch(
-            bench, request, folder, options["workers"] or os.cpu_count() or 1,
+            bench, request, folder, options["workers"],
             options["generations"],
         )  # fmt: skip
         found = search.run()
