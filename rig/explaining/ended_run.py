@@ -1,6 +1,7 @@
 """Why a run ended as it did, and what to do about it."""
 
 import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -12,7 +13,7 @@ from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
-from rig.run_facts import EVALUATION, RunStatus, read_events, read_metrics
+from rig.run_facts import EVALUATION, Manifest, RunStatus, read_events, read_metrics
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
@@ -38,7 +39,9 @@ _SEEN = ("oscillation", "stick_slip")
 _RECENT = 10.0
 """A run that ended less long ago (s) is the one that whoever asks means."""
 _UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
-_PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
+_ON = "--on hardware"
+_PLACEHOLDER = re.compile(rf"\b(?:RIG|EXPERIMENT|RUN)\b|{_ON}")
+_WITHOUT_BUS = ("--on sim", "--on virtual")
 
 
 class _Cause(TypedDict):
@@ -101,6 +104,7 @@ def explain_run(folder: Path) -> list[Remark]:
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
+    names |= {_ON: _on_option(manifest)}
     seen = [topic for kind in (_FELL, _HUNTS) if (topic := _topic_of_event(folder, kind))]
     if status == RunStatus.FAILED:
         after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
@@ -144,6 +148,14 @@ def as_given(
             if option in ("--rig", "run") and is_path(value):
                 rig, experiment = (value, experiment) if option == "--rig" else (rig, value)
     return {"RIG": rig, "EXPERIMENT": experiment}
+
+
+def _on_option(manifest: Manifest) -> str:
+    """Return the option that names what a run was on."""
+    command = manifest.get("command", [])
+    said = [value for option, value in pairwise(command) if option == "--on"]
+    on = said[-1] if said else manifest.get("backend", "hardware")
+    return f"--on {shlex.quote(on)}"
 
 
 def age_since(ended: str | None) -> str:
@@ -252,5 +264,10 @@ def _after_missing(
 
 def _remarks(topic: FaultTopic, folder: Path, names: Mapping[str, str | None]) -> Iterator[Remark]:
     known = {word: name for word, name in {**names, "RUN": folder.name}.items() if name}
-    for label, text in topic.remarks():
+    on = known.get(_ON, _ON)
+    for label, written in topic.remarks():
+        text = written
+        if on in _WITHOUT_BUS and _ON in text:
+            known[_ON] = _ON
+            text += f" That is for the rig: this run was {on[2:]}, where no bus can be asked."
         yield Remark(label, _PLACEHOLDER.sub(lambda found: known.get(found[0], found[0]), text))

@@ -14,7 +14,7 @@ import rig
 from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
-from rig.explaining.ended_run import age_since
+from rig.explaining.ended_run import age_since, explain_run
 from rig.explaining.faults import fault_topics, refusal_of, refusal_topics, topic_of
 from rig.explaining.glossary import glossary, without_keys
 from rig.faults.catalogue import KINDS
@@ -212,6 +212,31 @@ def test_what_is_refused_is_explained_in_the_words_that_it_was_told_in(capsys, w
     code, out, _ = said(capsys, error)
     assert code == 0 and out.startswith("kind: ")
     assert all(f"\n{label}: " in out for label in ("means", "causes", "check", "mend"))
+
+
+@pytest.mark.parametrize(
+    ("on", "asks", "more"),
+    [
+        ("hardware", "`rig check cylinder --on hardware`", ""),
+        ("can0", "`rig check cylinder --on can0`", ""),
+        ("can0=slcan:/dev/ttyACM0", "`rig check cylinder --on can0=slcan:/dev/ttyACM0`", ""),
+        ("vcan0", "`rig check cylinder --on vcan0`", ""),
+        ("virtual", "`rig check cylinder --on hardware`", "this run was on virtual, where no bus"),
+    ],
+)
+def test_what_to_check_is_on_the_bus_that_the_run_had(tmp_path, on, asks, more):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    manifest = {
+        "format": 1, "status": "faulted", "exit_code": 4, "rig": "cylinder", "backend": "hardware",
+        "experiment": "cylinder-sine", "command": ["rig", "run", "cylinder-sine", "--on", on],
+        "message": "encoder (node 0x20): does not answer SYNC", "started": "2026-11-21T03:45:12Z",
+        "ended": "2026-11-21T03:46:12Z",
+    }  # fmt: skip
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    told = dict(explain_run(folder))
+    assert asks in told["check"]
+    assert (more in told["check"]) if more else told["check"].endswith("the one named.")
 
 
 @pytest.mark.parametrize(
