@@ -49,7 +49,7 @@ def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -
         Nobody knows limits for slow motions of the mechanism.
     """
     verdict = verdict_of(plan.profile, backend)
-    said = [f"commissioning {verdict.digest}"] if verdict.digest else []
+    said = [verdict.label] if verdict.label else []
     if backend is not Backend.HARDWARE:
         return Permitted(plan, [*said, verdict.trouble] if verdict.trouble else said)
     if verdict.trouble:

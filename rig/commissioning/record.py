@@ -60,11 +60,22 @@ class CommissioningState(NamedTuple):
         What is missing; empty if nothing is.
     trouble : str
         Why the record cannot be used; empty if it can, or if there is none.
+    is_changed : bool
+        The profile is another one than was tested.
     """
 
     digest: str
     lack: str
     trouble: str = ""
+    is_changed: bool = False
+
+    @property
+    def label(self) -> str:
+        """The digest as runs tell it, or nothing."""
+        if not self.digest:
+            return ""
+        other = ", of another profile: this one was changed since" if self.is_changed else ""
+        return f"commissioning {self.digest}{other}"
 
 
 def tested_settings(profile: Profile) -> str:
@@ -225,13 +236,13 @@ def judge(
     lacking = missing(content, names)
     if lacking:
         return CommissioningState("", f"its commissioning lacks {', '.join(lacking)}")
-    digest = content["digest"]
+    digest, is_changed = content["digest"], content["settings"] != tested_settings(profile)
     if content["backend"] != backend:
-        return CommissioningState(
-            digest, f"it was commissioned on {content['backend']}, not on {backend}"
-        )
-    if content["settings"] != tested_settings(profile):
-        return CommissioningState(digest, "its profile was changed since it was commissioned")
+        lack = f"it was commissioned on {content['backend']}, not on {backend}"
+        return CommissioningState(digest, lack, is_changed=is_changed)
+    if is_changed:
+        lack = "its profile was changed since it was commissioned"
+        return CommissioningState(digest, lack, is_changed=True)
     if digest != digest_of(content["settings"], content["steps"]):
         return CommissioningState(
             digest, "the program is another version than it was commissioned with"

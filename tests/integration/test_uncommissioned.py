@@ -131,6 +131,18 @@ def test_a_commissioned_rig_has_all_of_it_until_something_changes(rig, commissio
     assert "changed since" in said(folder)[1]
 
 
+def test_a_simulation_says_of_which_profile_the_digest_is(rig, commissioned, capsys):
+    digest = commissioned()
+    code, folder = rig("--on", "sim")
+    assert code == 0
+    assert said(folder) == [f"commissioning {digest}"]
+    code, folder = rig("--on", "sim", "--set", "devices.encoder-agonist.stroke=65 mm")
+    assert code == 0
+    told = f"commissioning {digest}, of another profile: this one was changed since"
+    assert said(folder) == [told]
+    assert told in " ".join(capsys.readouterr().err.split())
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [({"valid_until": "2020-01-01"}, "expired on 2020-01-01"), ({"backend": "virtual"}, "not on")],
