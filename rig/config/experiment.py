@@ -117,8 +117,7 @@ def load_experiment(
         for name, node in sections.named("metrics", names=False).items()
     }
     head = sections.rest(ExperimentHead)
-    if head is not None:
-        _check_names(head, root, registry, problems, search)
+    _check_names(root, registry, problems, search)
     problems.raise_if_any()
     assert head is not None and reference is not None
     return Experiment(
@@ -227,24 +226,26 @@ def _file_of(rig: str, place: Node) -> str | None:
 
 
 def _check_names(
-    head: ExperimentHead,
-    root: Node,
-    registry: Registry,
-    problems: Problems,
-    search: Sequence[Path],
+    root: Node, registry: Registry, problems: Problems, search: Sequence[Path]
 ) -> None:
-    rigs = list_files("rigs", search) if search and not is_path(head.rig) else {head.rig: None}
-    if head.rig not in rigs:
+    """Note names that nothing has, also beside other errors."""
+    rig, controller = (_text_under(key, root) for key in ("rig", "controller"))
+    rigs = list_files("rigs", search) if search and not is_path(rig or "/") else {rig: None}
+    if rig is not None and rig not in rigs:
         place, _ = root.descend(("rig",))
-        hint = _file_of(head.rig, place) or nearest(head.rig, rigs)
-        problems.add(place.mark, f"no rig is called {shown(head.rig)}", hint)
-    if head.controller not in controller_names(registry):
+        hint = _file_of(rig, place) or nearest(rig, [name for name in rigs if name is not None])
+        problems.add(place.mark, f"no rig is called {shown(rig)}", hint)
+    if controller is not None and controller not in controller_names(registry):
         place, _ = root.descend(("controller",))
-        problems.add(
-            place.mark,
-            f"no controller is called {shown(head.controller)}",
-            nearest(head.controller, _controllers_of(head.rig, registry, search)),
-        )
-    if head.name and not is_name(head.name):
+        of = controller_names(registry) if rig is None else _controllers_of(rig, registry, search)
+        message = f"no controller is called {shown(controller)}"
+        problems.add(place.mark, message, nearest(controller, of))
+    name = _text_under("name", root)
+    if name and not is_name(name):
         place, _ = root.descend(("name",))
-        problems.add(place.mark, f"name is {shown(head.name)}, expected one that a folder may have")
+        problems.add(place.mark, f"name is {shown(name)}, expected one that a folder may have")
+
+
+def _text_under(key: str, root: Node) -> str | None:
+    node = root.get(key)
+    return node.value if node is not None and isinstance(node.value, str) else None

@@ -362,13 +362,15 @@ class _Reader(Sections):
         if node is None:
             return SimulationSettings()
         simulation = build(SimulationSettings, node, self.problems)
-        for index, fault in enumerate(simulation.faults if simulation else ()):
-            if fault.device not in names:
-                place, _ = node.descend(("faults", index, "device"))
+        faults = node.get("faults") if isinstance(node.value, dict) else None
+        listed = faults.value if faults is not None and isinstance(faults.value, list) else ()
+        for fault in listed:  # also those of a section that is wrong elsewhere
+            place = fault.get("device") if isinstance(fault.value, dict) else None
+            if place is not None and isinstance(place.value, str) and place.value not in names:
                 self.problems.add(
                     place.mark,
-                    f"no device or bus is called {shown(fault.device)}",
-                    f"{nearest(fault.device, names)}; {_AS_LISTED}",
+                    f"no device or bus is called {shown(place.value)}",
+                    f"{nearest(place.value, names)}; {_AS_LISTED}",
                 )
         return simulation
 

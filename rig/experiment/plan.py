@@ -21,6 +21,8 @@ from rig.config import (
     load_experiment,
     load_profile,
 )
+from rig.config.diagnostics import Diagnostic
+from rig.config.document import name_under
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
 from rig.config.located import places_named
@@ -29,6 +31,7 @@ from rig.config.setting import Setting, written
 from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
 from rig.experiment.metrics import known_measures
+from rig.experiment.unknown_names import unknown_names
 from rig.hal import Column, ConfigurationError, SeveralErrors
 from rig.hal.motion import Fact, Motion
 
@@ -92,7 +95,8 @@ def load_plan(
     try:
         loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
     except ProfileError as error:
-        raise _with_errors_of_profile(error, named, search) from error
+        errors = _errors_beside(experiment, for_experiment, named, for_profile, search)
+        raise ProfileError([*error.diagnostics, *errors]) from error
     profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
     return make_plan(loaded, profile)
 
@@ -116,19 +120,27 @@ def admit_options(options: Sequence[str], rig: str | None, search: Sequence[Path
             load_profile(rig, REGISTRY, options, search)
 
 
-def _with_errors_of_profile(
-    error: ProfileError, rig: str | None, search: Sequence[Path]
-) -> ProfileError:
-    """Return the errors of an experiment and those of its profile as one."""
+def _errors_beside(
+    experiment: str | Path,
+    for_experiment: Sequence[str],
+    rig: str | None,
+    for_profile: Sequence[str],
+    search: Sequence[Path],
+) -> tuple[Diagnostic, ...]:
+    """Return what else can be said of an experiment with errors: of its profile, of its names."""
     if rig is None:
-        return error
+        return ()
+    errors: tuple[Diagnostic, ...] = ()
     try:
-        load_profile(rig, REGISTRY, (), search)
+        load_profile(rig, REGISTRY, for_profile, search)
     except ProfileError as other:
-        return ProfileError([*error.diagnostics, *other.diagnostics])
+        errors = other.diagnostics
     except ConfigurationError:
-        pass  # there is no such rig: said when the experiment itself is in order
-    return error
+        return ()  # there is no such rig: said when the experiment itself is in order
+    mechanism = name_under("mechanism", rig, "rigs", search)
+    if mechanism not in REGISTRY.names("mechanism"):
+        return errors
+    return (*errors, *unknown_names(experiment, for_experiment, search, mechanism))
 
 
 def split_overrides(
@@ -151,7 +163,9 @@ def split_overrides(
         An option starts with a key of neither.
     """
     profile_keys = {*PROFILE_KEYS, *REGISTRY.names("mechanism")} - {"name", "description"}
-    for_experiment, for_profile = [], []
+    for_experiment: list[str] = []
+    for_profile: list[str] = []
+    wrong: list[str] = []
     for option in overrides:
         key = option.partition("=")[0].partition(".")[0].strip()
         if key in EXPERIMENT_KEYS:
@@ -164,7 +178,8 @@ def split_overrides(
                 key, {*EXPERIMENT_KEYS, *profile_keys}, n=1
             )
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise ConfigurationError(f"{written(option)}: there is no key {key!r}{hint}")
+            wrong.append(f"{written(option)}: there is no key {key!r}{hint}")
+    SeveralErrors.raise_if_any(wrong)
     return for_experiment, for_profile
 
 
