@@ -12,14 +12,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parents[2]
-PAGES = sorted(
-    path
-    for path in ROOT.rglob("*.md")
-    if not {"runs", "build", "node_modules"} & set(path.relative_to(ROOT).parts)
-    and not any(part.startswith(".venv") for part in path.relative_to(ROOT).parts)
-)
+from shown_commands import PAGES, ROOT
 
 
 def anchors(page):
