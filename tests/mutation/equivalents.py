@@ -106,6 +106,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/balance.py",
+        "weak = self._pairs[pair][0 if missing < 0.0 else 1]",
+        "missing < 0.0 -> missing <= 0.0",
+        "nothing is said of a pair that lacks nothing",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/balance.py",
         "done = taken = 0.0",
         "0.0 -> 1.0",
         "both begin there, and only their difference counts",

@@ -178,6 +178,9 @@ def test_a_rod_whose_reading_was_refused_does_not_stay_behind_a_ring_that_is_pus
     error = DeviceFault(ENCODERS[refused - 1], "it jumps")
     found = told.watch.explain(error, told.state(held))
     assert str(found) == f"the ring was pushed or struck: all rods move with it ({error})"
+    # The others are where they say: one of them may have run ahead in this very cycle.
+    ahead = off(held, (refused + 1) % 4 + 1, 2e-3)
+    assert str(told.watch.explain(error, told.state(ahead))).startswith("the wire of ch")
 
 
 def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause():

@@ -366,10 +366,13 @@ def test_of_each_pair_either_chamber_may_lose_its_air():
 # What crept -----------------------------------------------------------------------------------
 
 
+def of_one_pair(friction=PLAIN):
+    return PullBalance(1.0, MASS, friction, ((0, 1),), ("a", "b"), "regulators", "the carriage")
+
+
 def creeps(places, pull, watch=None):
     """Return what is said of a pair that goes through places (m) under a pull, N."""
-    if watch is None:
-        watch = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
+    watch = watch or of_one_pair()
     for k, place in enumerate(places):
         watch.note(0.1 * k, (place, -place), (100.0 + pull, 100.0))
     return watch.explain_crept(0)
@@ -393,7 +396,7 @@ def test_it_is_the_last_half_millimetre_that_tells_however_far_it_went_before():
     assert creeps(0.99 * HALF, -12.0) is None
     assert creeps(HALF[:1], -12.0) is None
     assert creeps([], -12.0) is None
-    watch = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
+    watch = of_one_pair()
     assert creeps(HALF, -12.0, watch) is not None
     assert creeps(HALF[-1] + HALF, 12.0, watch) is None, "it went with its pull at last"
     assert creeps(2.0 * HALF[-1] - HALF, 12.0, watch) is not None, "and back against it"
@@ -403,7 +406,7 @@ def test_it_is_the_last_half_millimetre_that_tells_however_far_it_went_before():
 
 def test_what_gives_and_comes_back_has_not_crept():
     """Wires and seals give by tens of micrometres whatever pulls; so does an encoder's noise."""
-    watch = PullBalance(1.0, MASS, PLAIN, ((0, 1),), ("a", "b"), "regulators", "the carriage")
+    watch = of_one_pair()
     for k in range(100):
         assert creeps([(-1.0) ** k * 40e-6], 12.0 * (-1.0) ** (k + 1), watch) is None
     for k in range(1000):  # it goes with its pull, and noise goes to and fro on its way
@@ -412,3 +415,30 @@ def test_what_gives_and_comes_back_has_not_crept():
     for k in range(300):
         said = creeps([2e-3 - k * 2e-6 + (-1.0) ** k * 9e-6], 12.0, watch)
     assert "the chamber of a leaks" in said
+
+
+def test_half_a_millimetre_and_seven_newton_are_the_bounds():
+    assert creeps([0.0, 0.5e-3], 1.0) is None
+    assert creeps([0.0, 0.5e-3], 1.0 - 1e-9) is not None
+    assert creeps([0.0, 0.5e-3 - 1e-9], -12.0) is None
+
+
+def test_a_pair_that_hardly_needs_a_pull_is_told_with_its_chamber_too():
+    slippery = SealFriction(coulomb=0.1, breakaway=0.1, stribeck_velocity=8e-3, viscous=0.0)
+    for sign, weak in ((1.0, "b"), (-1.0, "a")):
+        assert f"the chamber of {weak}" in creeps(sign * HALF, 0.0, of_one_pair(slippery))
+
+
+def test_a_way_of_twenty_micrometres_is_one_and_its_pull_counts():
+    watch = of_one_pair()
+    assert creeps([0.0, 20e-6], 1e3, watch) is None
+    assert creeps([0.51e-3], -12.0, watch) is None, "the first pull has done it"
+
+
+def test_so_many_ways_are_remembered_and_those_that_stand_are_none():
+    watch = of_one_pair()
+    creeps([0.0, 0.6e-3], -12.0, watch)
+    creeps([0.6e-3] * 300, -12.0, watch)
+    to_and_fro = [0.6e-3 + (k % 2 == 0) * 30e-6 for k in range(254)]
+    assert creeps(to_and_fro, -12.0, watch) is not None
+    assert creeps([to_and_fro[0]], -12.0, watch) is None, "the first place is forgotten"

@@ -242,7 +242,7 @@ class PullBalance:
             Its number.
         """
         missing = self._ways[pair].missing(self._friction)
-        if not missing:
+        if missing == 0.0:
             return None
         weak = self._pairs[pair][0 if missing < 0.0 else 1]
         return (
