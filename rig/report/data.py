@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _DAY = len("2026-01-31")
 """Of a time stamp."""
+_PROFILE = "profile.yaml"
 
 
 @dataclass(frozen=True)
@@ -93,13 +94,23 @@ class RunData:
     @cached_property
     def settings(self) -> dict[str, Any]:
         """What the run's own profile says of its mechanism, SI."""
-        path = self.folder.path / "profile.yaml"
-        profile = read_plain(path)
-        entries = profile if isinstance(profile, dict) else {}
-        settings = entries.get(str(entries.get("mechanism")))
+        settings = self._profile.get(str(self._profile.get("mechanism")))
         if not isinstance(settings, dict):
+            path = self.folder.path / _PROFILE
             raise ConfigurationError(f"{path} does not say what its mechanism is")
         return settings
+
+    @property
+    def law_settings(self) -> dict[str, Any]:
+        """What the run's own profile says of the law that drove it, SI; nothing if it says none."""
+        laws = self._profile.get("controllers")
+        settings = laws.get(self.folder.manifest.get("law")) if isinstance(laws, dict) else None
+        return settings if isinstance(settings, dict) else {}
+
+    @cached_property
+    def _profile(self) -> dict[str, Any]:
+        profile = read_plain(self.folder.path / _PROFILE)
+        return profile if isinstance(profile, dict) else {}
 
 
 def mechanism_of(folder: RunFolder) -> str | None:

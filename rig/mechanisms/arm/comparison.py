@@ -7,7 +7,8 @@ import numpy as np
 
 from rig.experiment.metrics import Evaluation, facts_from_json
 from rig.hal.motion import Fact
-from rig.mechanisms.arm.figures import JOINTS, mark_region
+from rig.mechanisms.arm.figures import JOINTS
+from rig.mechanisms.arm.singular_band import mark_region
 from rig.report.comparison import Comparison, ComparisonRow
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData

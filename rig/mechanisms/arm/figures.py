@@ -7,10 +7,10 @@ import numpy as np
 from controllers.arm.singular_places import singular_places
 from rig.mechanisms.arm.boundary import meridian
 from rig.mechanisms.arm.limit_figures import draw_accelerations, draw_torques
+from rig.mechanisms.arm.singular_band import KINDS, mark_region
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
-    BAND,
     BLUE,
     GREY,
     INK,
@@ -73,14 +73,14 @@ def draw_indices(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 50.0)
     panels = figure.subplots(1, 3)
     t = run.time
-    for axes, (name, label) in zip(panels, _INDICES, strict=True):
+    for axes, kind, (name, label) in zip(panels, KINDS, _INDICES, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6)
         draw_line(axes, t, run.trace(f"reading.{name}"), GREY, "measured", lw=2.0)
         draw_line(axes, t, run.trace(f"plan.{name}"), BLUE, "commanded", lw=0.9)
-        mark_region(axes, run)
+        mark_region(axes, run, (kind,))
         finish_time_axis(axes, t, label, "time (s)")
         _keep_above_noise(axes, 2e-3)
-    _legend_above(figure, panels[0])
+    _legend_above(figure, *panels)
     return figure
 
 
@@ -242,19 +242,13 @@ def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> Non
     axes.plot([], [], color=GREY, lw=0.7, ls=(0, (2, 2)), label="reach of the wrist")
 
 
-def _legend_above(figure: "Figure", axes: "Axes") -> None:
-    """Put one legend above all panels, which show the same lines."""
-    handles = axes.get_legend_handles_labels()[0]
-    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
-
-
-def mark_region(axes: "Axes", run: RunData) -> None:
-    """Shade the singular region, from where it is entered to where it is left."""
-    label = "singular region"
-    for segment in run.segments:
-        if segment.name == "region":
-            axes.axvspan(segment.start, segment.end, color=BAND, lw=0, zorder=0, label=label)
-            label = "_"
+def _legend_above(figure: "Figure", *panels: "Axes") -> None:
+    """Put one legend above all panels, with each line of any of them once."""
+    handles: dict[str, Artist] = {}
+    for axes in panels:
+        handles |= {label: h for h, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    shown = list(handles.values())
+    figure.legend(handles=shown, loc="outside upper right", ncols=min(len(shown), 4), frameon=False)
 
 
 def _keep_above_noise(axes: "Axes", least: float) -> None:
@@ -267,13 +261,17 @@ def _keep_above_noise(axes: "Axes", least: float) -> None:
 
 ARM_FIGURES = {
     "rates": FigureKind(
-        draw_rates, "Joint rates; limits dashed, black lines where the region is entered and left."
+        draw_rates, "Joint rates; limits dashed, shaded in the singular region or near singular."
     ),
-    "indices": FigureKind(draw_indices, "Singularity indices of shoulder, elbow and wrist."),
+    "indices": FigureKind(
+        draw_indices,
+        "Singularity indices of shoulder, elbow and wrist; shaded in the singular region, or where "
+        "the index itself is near singular.",
+    ),
     "hand": FigureKind(
         draw_hand,
-        "Velocity and angular velocity of the hand against what the path asks for; black lines "
-        "where the region is entered and left.",
+        "Velocity and angular velocity of the hand against what the path asks for; shaded in the "
+        "singular region or near singular.",
     ),
     "inside": FigureKind(
         draw_inside, "Wrist centre inside the workspace's boundary; hand off its place."
