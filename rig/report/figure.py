@@ -30,10 +30,13 @@ class FigureKind(NamedTuple):
         Takes a run; returns None when the log does not hold what the figure shows.
     caption : str
         For the report.
+    table : callable, optional
+        Takes the run; returns what the figure is drawn from, as CSV. Default: its lines.
     """
 
     draw: "Callable[[RunData], Figure | None]"
     caption: str
+    table: "Callable[[RunData], str] | None" = None
 
 
 def panels(figure: "Figure", rows: int, columns: int, **style: Any) -> "list[Axes]":

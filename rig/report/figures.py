@@ -119,7 +119,9 @@ def _draw(run: RunData, folder: Path, name: str) -> Drawn:
         figure = draw(run)
         if figure is None:
             return Drawn([], [], [name])
-        return Drawn(save(figure, folder, file_of(name), imprint_of([run.folder])), [], [])
+        content = None if kind.table is None else kind.table(run)
+        origin = imprint_of([run.folder])
+        return Drawn(save(figure, folder, file_of(name), origin, content=content), [], [])
     except (OSError, RunFolderError):
         raise
     except Exception as error:  # anything may happen in the code of others

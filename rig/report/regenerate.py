@@ -19,6 +19,7 @@ from rig.hal import ContractBroken
 from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
+from rig.report.limits_figure import LIMIT_FIGURES
 from rig.report.timing import summarise_timing
 from rig.run_facts import EVALUATION, METRICS, TIMING, MetricRow, RunStatus
 from rig.run_folder import RunFolder
@@ -86,10 +87,12 @@ def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
     names = folder.read_json(EVALUATION, Evaluation).get("figures") or None
-    drawn = draw_figures(folder.path, names, log)
+    # What cut commands is worth a look whoever asked for which figures.
+    asked = None if names is None else [*names, *(n for n in LIMIT_FIGURES if n not in names)]
+    drawn = draw_figures(folder.path, asked, log)
     figures = [*besides, *(file for file in drawn.files if file.suffix == ".png")]
     # Without a list everything is tried that might be there, and most of it is not.
-    empty = drawn.empty if names else []
+    empty = [name for name in drawn.empty if name in (names or ())]
     notes = [f"nothing to draw: {', '.join(empty)}"] if empty else []
     page = write_html(folder, figures, [*torn, *problems], [*drawn.failures, *notes])
     return RunReport(page, [*torn, *drawn.failures], notes)

@@ -98,7 +98,13 @@ def new_figure(width: float, height: float) -> "Figure":
 
 
 def save(
-    figure: "Figure", folder: Path, name: str, origin: str, *, has_table: bool = False
+    figure: "Figure",
+    folder: Path,
+    name: str,
+    origin: str,
+    *,
+    has_table: bool = False,
+    content: str | None = None,
 ) -> list[Path]:
     """Write a figure as PNG, SVG and PDF, and what it shows as CSV; return the paths.
 
@@ -114,6 +120,8 @@ def save(
         Where its data come from, written at its edge: a figure is passed on without its folder.
     has_table : bool
         The folder has a table of that name already, which the figure is drawn from.
+    content : str, optional
+        Of the table; default: the figure's lines.
 
     Raises
     ------
@@ -137,7 +145,8 @@ def save(
                     figure.savefig(temporary, metadata={date: None})
         if not has_table:
             with whole_file(table) as temporary:
-                temporary.write_text(table_of(figure), encoding="utf-8")
+                told = table_of(figure) if content is None else content
+                temporary.write_text(told, encoding="utf-8")
     except OSError as error:
         raise RunFolderError(
             f"cannot write figures to {folder}: {error.strerror or error}"

@@ -1,6 +1,7 @@
 """The figure of a step response: every step of a run on top of each other, and how it is judged."""
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,6 +23,7 @@ from rig.report.style import BAND, GREY, INK, PAGE, PALETTE, new_figure, segment
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
 _MOST: Final = 6
@@ -41,7 +43,9 @@ def draw_steps(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 72.0)
     axes = figure.subplots()
     longest = max(float(window.t[-1] - window.t[0]) for window in steps)
-    axes.axhspan(1.0 - SETTLING_BAND, 1.0 + SETTLING_BAND, color=BAND, lw=0, zorder=0)
+    told = f"within {100.0 * SETTLING_BAND:.0f} %"
+    near = (1.0 - SETTLING_BAND, 1.0 + SETTLING_BAND)
+    axes.axhspan(*near, color=BAND, lw=0, zorder=0, label=told)
     for level in (0.0, 1.0):
         axes.axhline(level, color=GREY, lw=0.5)
     shown = [_Step(window) for window in steps[:_MOST]]
@@ -53,7 +57,8 @@ def draw_steps(run: RunData) -> "Figure | None":
     axes.set_xlim(0.0, longest)
     axes.set_xlabel("time since the step (s)")
     axes.set_ylabel("share of the step (1)")
-    axes.legend(loc="center right")
+    lines = axes.get_legend_handles_labels()[0]
+    axes.legend(handles=[*lines, *_marks_of(shown)], loc="center right")
     return figure
 
 
@@ -104,6 +109,23 @@ def _mark(axes: "Axes", step: _Step, color: str) -> None:
     if math.isfinite(step.settled):
         at = int(np.searchsorted(step.t, step.settled).clip(max=len(step.t) - 1))
         axes.plot(step.t[at], step.done[at], "s", ms=3.5, color=color, label="_settled")
+
+
+def _marks_of(steps: "Sequence[_Step]") -> "list[Line2D]":
+    """Return what the marks mean, of those that any step has."""
+    from matplotlib.lines import Line2D
+
+    rise = f"rise from {100.0 * _LEVELS[0]:.0f} to {100.0 * _LEVELS[1]:.0f} %"
+    marks = (
+        ("o", "white", rise, any(math.isfinite(step.low) for step in steps)),
+        ("^", GREY, "overshoot", any(step.over > 0.0 for step in steps)),
+        ("s", GREY, "settled", any(math.isfinite(step.settled) for step in steps)),
+    )
+    return [
+        Line2D([], [], ls="", marker=marker, ms=4.0, mfc=fill, mec=GREY, label=label)
+        for marker, fill, label, is_shown in marks
+        if is_shown
+    ]
 
 
 STEP_FIGURES = {

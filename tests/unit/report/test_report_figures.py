@@ -214,3 +214,4 @@ def test_limits_are_drawn_where_they_cut_and_nowhere_else(make_run: MakeRun) -> 
     assert "pair force: 9 cycles" in svg
     assert "setpoint rate: 1 cycles" in svg
     assert "was limited" not in svg
+    assert "begins to cut" in svg

@@ -8,7 +8,7 @@ import numpy as np
 from rig.mechanisms.legs.figures.base import COLORS, LEGS, mark_phases
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind
-from rig.report.style import PAGE, new_figure
+from rig.report.style import PAGE, SHADE, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ def draw_contacts(run: RunData) -> "Figure | None":
     if not run.has(*(f"plan.stands_{leg}" for leg in LEGS)):
         return None
     loads = _loads(run)
-    figure = new_figure(PAGE, 34.0)
+    figure = new_figure(PAGE, 40.0)
     axes = figure.subplots()
     t = run.time
     for row, leg in enumerate(LEGS):
@@ -45,7 +45,19 @@ def draw_contacts(run: RunData) -> "Figure | None":
     axes.grid(axis="y", visible=False)
     axes.set_xlabel(TIME_LABEL)
     mark_phases(axes, run)
+    _explain(figure, has_loads=bool(loads))
     return figure
+
+
+def _explain(figure: "Figure", *, has_loads: bool) -> None:
+    """Say above the bars what their colours and the shades behind them are."""
+    from matplotlib.patches import Patch
+
+    handles = [Patch(color=_paled(leg, _PALE), lw=0, label=f"{leg}, planned") for leg in LEGS]
+    if has_loads:
+        handles += [Patch(color=COLORS[leg], lw=0, label=f"{leg}, bears load") for leg in LEGS]
+    handles.append(Patch(color=SHADE, lw=0, label="swing"))
+    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
 
 
 def _loads(run: RunData) -> "dict[str, NDArray[np.bool_]]":
@@ -67,9 +79,7 @@ def _draw_bars(
     axes: "Axes", t: "NDArray[np.float64]", stands: "NDArray[np.bool_]", row: float, leg: str,
     share: float,
 ) -> None:  # fmt: skip
-    from matplotlib.colors import to_rgb
-
-    color = [share * part + 1.0 - share for part in to_rgb(COLORS[leg])]
+    color = _paled(leg, share)
     stretches = list(stretches_of(t, stands))
     axes.broken_barh(
         [(start, end - start) for start, end in stretches], (row - 0.5 * _HEIGHT, _HEIGHT),
@@ -78,6 +88,14 @@ def _draw_bars(
     # A table of what is drawn has lines alone: each stretch is one, too.
     for start, end in stretches:
         axes.plot([start, end], [row, row], color="none", label=f"{leg} stands")
+
+
+def _paled(leg: str, share: float) -> tuple[float, float, float]:
+    """Return a share of a foot's colour, the rest white."""
+    from matplotlib.colors import to_rgb
+
+    red, green, blue = (share * part + 1.0 - share for part in to_rgb(COLORS[leg]))
+    return red, green, blue
 
 
 def stretches_of(
