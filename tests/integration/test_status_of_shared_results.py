@@ -1,4 +1,4 @@
-"""`rig status` of procedures that find the same: what one has found anew need not be found again."""
+"""`rig status` of procedures that find the same: what one found anew is not to be found again."""
 
 import json
 import shutil

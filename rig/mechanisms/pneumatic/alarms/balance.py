@@ -99,7 +99,7 @@ def _stands(late: Sequence[Instant]) -> bool:
 
 
 class _Way:
-    """What the monitors' pull has done on a pair's last half millimetre, however slow that was."""
+    """Work of the monitors' pull on a pair's last half millimetre, however slow that was."""
 
     def __init__(self) -> None:
         self._work = 0.0
