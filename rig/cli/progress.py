@@ -61,8 +61,8 @@ class ProgressLine(TerminalLine, Watcher):
         bar = "█" * round(20 * share) + "░" * (20 - round(20 * share))
         missed = f"  missed {progress.missed}" if progress.missed else ""
         self.draw(
-            f"{_NAMES[progress.phase]:8} {bar} {progress.t:6.1f}/{progress.duration:.1f} s  "
-            f"{speed:5.1f}x  margin {100 * progress.margin.fraction:3.0f} % "
+            f"{_NAMES[progress.phase]:8} {bar} {progress.t:6.1f}/{progress.duration:.1f} s of the "
+            f"reference  {speed:5.1f}x  margin {100 * progress.margin.fraction:3.0f} % "
             f"({progress.margin.name}){missed}"
         )
 

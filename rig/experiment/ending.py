@@ -72,7 +72,7 @@ def bug_of(error: BaseException, t: float | None = None) -> Ending:
         error = ContractBroken(f"{place} wants to end the program: {what}").with_traceback(
             error.__traceback__
         )
-    when = "" if t is None else f" at {t:.3f} s"
+    when = "" if t is None else f" at {t:.3f} s of the log"
     return Ending(RunStatus.CRASHED, EXIT_USAGE, f"{place}{when}: {what}", error)
 
 

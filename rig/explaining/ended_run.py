@@ -189,7 +189,8 @@ def _injected(folder: Path) -> Iterator[Remark]:
     """Yield what a simulation broke of itself, and when on the log's clock."""
     for event in read_events(folder):
         if event.get("kind") == _INJECTED:
-            yield Remark("injected", f"{event['message']}, {event['t']:.3f} s after the run began")
+            when = f"{event['t']:.3f} s after the run began (the log's clock)"
+            yield Remark("injected", f"{event['message']}, {when}")
 
 
 def _messages(folder: Path, kind: str) -> Iterator[str]:

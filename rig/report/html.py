@@ -225,7 +225,7 @@ def _timing(folder: RunFolder) -> Html:
     head = ["stage", "median (µs)", "99 % (µs)", "longest (µs)", "share (%)"]
     worst = table(
         "The longest cycles",
-        ["cycle", "t (s)", "work (µs)", "lateness (µs)", "stage to blame"],
+        ["cycle", "t of the log (s)", "work (µs)", "lateness (µs)", "stage to blame"],
         [
             [
                 str(cycle["cycle"]),
@@ -263,7 +263,12 @@ def _events(events: Sequence[Event]) -> Html:
         rows.append([time, event.get("kind", ""), event.get("message", ""), details])
     left = len(events) - len(rows)
     more = (element("p", f"{left} more are in ", element("code", EVENTS), "."),) if left > 0 else ()
-    return section("Events", table("Events", ["t (s)", "kind", "event", "data"], rows, (0,)), *more)
+    clocks = element(
+        "p", "The log's clock begins with the first cycle; figures count from where the reference "
+        "starts (reference.time of the log).",
+    )  # fmt: skip
+    head = ["t of the log (s)", "kind", "event", "data"]
+    return section("Events", clocks, table("Events", head, rows, (0,)), *more)
 
 
 def _reproduce(manifest: Manifest) -> Html:

@@ -33,7 +33,7 @@ PLAIN = {
     "what", "value", "description", "name", "now", "before", "from", "found", "file", "date",
     "said", "of", "greatest", "rms", "rms difference", "how", "quantity", "difference", "state",
     "bytes", "start", "end", "writes", "runs", "hours", "rig", "what happens",
-    "what is expected", "value (SI)", "setting", "procedure", "event", "kind", "data", "t (s)",
+    "what is expected", "value (SI)", "setting", "procedure", "event", "kind", "data",
     "A", "B", "change", "version", "says", "expects", "does", "operator", "valid until",
 }  # fmt: skip
 """Headings that mean what they mean in a newspaper, or are said in the title above."""
@@ -42,7 +42,7 @@ ABBREVIATIONS = {
     "STOPPED", "BLF", "ASC", "MCAP", "URDF", "MISSED",
 }  # fmt: skip
 """Those that messages have, beside placeholders of usage lines and everybody's (YAML, JSON)."""
-ASKED = ("aborted", "faulted", "infeasible", "hits", "SYNC", "PDO", "calibration", "rehearsal",
+ASKED = ("t", "aborted", "faulted", "infeasible", "hits", "SYNC", "PDO", "calibration", "rehearsal",
          "overlay", "digest", "calibrated: encoders", "TPDO1")  # fmt: skip
 
 

@@ -352,8 +352,8 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         phase = plan.phases[int(plan.phase_number[sample])].phase.name
         margin = float(plan.balance.static_margin[sample])
         return (
-            f"the legs are held where they are at {t:.3f} s ({phase}); there the centre of mass is "
-            f"{from_edge(margin)}"
+            f"the legs are held where they are at {t:.3f} s of the reference ({phase}); there "
+            f"the centre of mass is {from_edge(margin)}"
         )
 
     def _end_of_motion(self) -> Vector | None:

@@ -75,7 +75,7 @@ def test_a_bug_of_another_package_is_the_users_to_mend(monkeypatch):
     monkeypatch.setattr(module, "whose_bug", lambda error: "stranger")
     error = ValueError("x")
     assert bug_of(error) == (RunStatus.CRASHED, 2, "stranger: ValueError: x", error)
-    told = (RunStatus.CRASHED, 2, "stranger at 1.500 s: ValueError: x", error)
+    told = (RunStatus.CRASHED, 2, "stranger at 1.500 s of the log: ValueError: x", error)
     assert bug_of(error, 1.5) == fault_of(error, 1.5) == told
 
 

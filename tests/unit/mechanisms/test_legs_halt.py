@@ -167,8 +167,8 @@ def test_a_fault_says_where_the_legs_are_held_and_how_safely():
     margin = bench.plan.balance.static_margin
     said = bench.legs.pose_held()
     assert said == (
-        f"the legs are held where they are at {19 * PERIOD:.3f} s (down 1); there the centre of "
-        f"mass is {margin[19] * 1e3:.1f} mm inside the edge of the support"
+        f"the legs are held where they are at {19 * PERIOD:.3f} s of the reference (down 1); "
+        f"there the centre of mass is {margin[19] * 1e3:.1f} mm inside the edge of the support"
     )
     bench.follow(round(1.5 / PERIOD))
     assert "(up 1)" in bench.legs.pose_held()
