@@ -101,16 +101,17 @@ class RunData:
         return settings
 
     @property
-    def law_settings(self) -> dict[str, Any]:
+    def law_settings(self) -> dict[str, object]:
         """What the run's own profile says of the law that drove it, SI; nothing if it says none."""
         laws = self._profile.get("controllers")
-        settings = laws.get(self.folder.manifest.get("law")) if isinstance(laws, dict) else None
+        law = self.folder.manifest.get("law", "")
+        settings = laws.get(law) if isinstance(laws, dict) else None
         return settings if isinstance(settings, dict) else {}
 
     @cached_property
-    def _profile(self) -> dict[str, Any]:
+    def _profile(self) -> dict[str, object]:
         profile = read_plain(self.folder.path / _PROFILE)
-        return profile if isinstance(profile, dict) else {}
+        return dict(profile) if isinstance(profile, dict) else {}
 
 
 def mechanism_of(folder: RunFolder) -> str | None:

@@ -57,4 +57,4 @@ def _shade_near(axes: "Axes", run: RunData, kind: str) -> None:
 def _bound(run: RunData, kind: str) -> float:
     """Return the least index of the law's settings, or what is called near a singularity."""
     said = run.law_settings.get(f"{kind}_region")
-    return float(said) if said else NEAR[KINDS.index(kind)]
+    return float(said) if isinstance(said, int | float) and said else NEAR[KINDS.index(kind)]
