@@ -52,7 +52,9 @@ FILLED = {
     "my-rig.yaml": ("cylinder",),
     "lab/my-rig.yaml": ("cylinder",),
     "my-arm.yaml": ("arm",),
+    "my-drives.yaml": ("arm-loaded",),
     "my-sine.yaml": ("cylinder-sine",),
+    "my-arc.yaml": ("arm-tour",),
     "my-path.yaml": ("arm-path",),
 }
 """What may stand for a word of a page that its reader fills in: one of them has to be taken."""
