@@ -25,7 +25,7 @@ from controllers.arm.plan import Sample
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST
 from controllers.motion import check_length
-from controllers.reachable_speeds import Rows, reachable_within
+from controllers.reachable_speeds import FastestTimings, Rows
 
 Array = NDArray[np.float64]
 
@@ -151,10 +151,9 @@ def retime(
         allowed = _ACCELERATION_SHARE * np.array(acceleration_limits)
         if strain is not None:
             tangent, bend = tangent * strain.accelerations, bend * strain.accelerations
-        most = np.broadcast_to(allowed, tangent.shape)
-        rows = Rows(tangent, bend, -most, most)
+        rows = Rows.of_accelerations(tangent, bend, allowed)
         if torques is None:
-            speed = np.sqrt(reachable_within(s, greatest**2, rows))
+            speed = np.sqrt(FastestTimings(s, rows).below(greatest**2))
         else:
             needs = 1.0 if strain is None else strain.torques
             speed = np.sqrt(_with_torques(s, greatest**2, rows, torques, needs))
@@ -167,10 +166,11 @@ def _with_torques(
     s: Array, ceiling: Array, rows: Rows, torques: PathTorques, strain: Array | float
 ) -> Array:
     """Return the squared speeds under torques as well, whose viscous friction grows with a root."""
-    squares = reachable_within(s, ceiling, rows)
+    squares = FastestTimings(s, rows).below(ceiling)
     for _ in range(_RUBBINGS):
         before = squares
-        squares = reachable_within(s, ceiling, rows.beside(torques.rows(before, strain)))
+        both = rows.beside(torques.rows(before, strain))
+        squares = FastestTimings(s, both).below(ceiling)
         if np.abs(squares - before).max() <= _SETTLED * before.max():
             break
     return squares

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 from controllers.gait.footprints import Footstep, SteppingSettings
 from controllers.gait.footstep_advice import SwingSoles, advise
@@ -14,10 +15,11 @@ from controllers.gait.walk_advice import advise_manner, advise_walk
 from controllers.motion import InfeasibleMotion
 
 
+@lru_cache(maxsize=8)  # a plan asks at two periods, for its length, and for how fast it can be
 def plan_footsteps(
     geometry: LegGeometry,
     settings: SteppingSettings,
-    steps: Sequence[Footstep],
+    steps: tuple[Footstep, ...],
     min_margin: float = -math.inf,
 ) -> tuple[GaitPhase, ...]:
     """Return the phases of a walk over footprints.
@@ -28,7 +30,7 @@ def plan_footsteps(
         The legs.
     settings : SteppingSettings
         How to walk.
-    steps : sequence of Footstep
+    steps : tuple of Footstep
         Where the feet come down.
     min_margin : float
         Least distance of the centre of mass from the edge of what the feet stand on, m.

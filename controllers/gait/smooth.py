@@ -25,7 +25,7 @@ from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan
 from controllers.gait.time_laws import PaceSummary, TooShort
 from controllers.gait.types import GaitModel
-from controllers.reachable_speeds import reachable
+from controllers.reachable_speeds import FastestTimings, Rows
 from controllers.rounding import ceiling
 
 Array = NDArray[np.float64]
@@ -241,10 +241,10 @@ def _least_peak(
     curve, max_rate = _joint_curve(geometry, phase), geometry.max_rate
     greatest = np.max(np.abs(curve.tangent), axis=1)
     bounds = np.full(curve.tangent.shape[1], _SHARE * allowed)
+    timings = FastestTimings(curve.s, Rows.of_accelerations(curve.tangent, curve.bend, bounds))
 
     def timing(rate: float) -> tuple[Array, Array]:
-        squares = reachable(curve.s, (rate / greatest) ** 2, curve.tangent, curve.bend, bounds)
-        speeds = np.sqrt(squares)
+        speeds = np.sqrt(timings.below((rate / greatest) ** 2))
         mean = 0.5 * (speeds[:-1] + speeds[1:])
         return np.concatenate(([0.0], np.cumsum(np.diff(curve.s) / mean))), speeds
 
