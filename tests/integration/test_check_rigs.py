@@ -297,13 +297,13 @@ def test_what_a_simulated_rig_has_otherwise_than_its_plan_is_told(
 
 
 def test_a_name_that_a_rig_and_an_experiment_have_is_the_one_that_is_asked_for(capsys):
-    invoke(["check", "legs-stairs"])
+    invoke(["check", "legs-push"])
     told = capsys.readouterr()
-    assert "# rig legs-stairs" in told.out and "# experiment" not in told.out
-    assert re.search(r"an experiment of that name is \S*legs-stairs\.yaml", told.err)
-    for asked in (["--set", "reference.lift=23 mm"], ["--set", "metrics={}"]):
-        assert invoke(["check", "legs-stairs", *asked]) == 0
+    assert "# rig legs-push" in told.out and "# experiment" not in told.out
+    assert re.search(r"an experiment of that name is \S*legs-push\.yaml", told.err)
+    for asked in (["--set", "reference.speed=4"], ["--set", "metrics={}"]):
+        assert invoke(["check", "legs-push", *asked]) == 0
         told = capsys.readouterr()
-        assert "# experiment legs-stairs" in told.out and "of that name" not in told.err
-    invoke(["check", "legs-stairs", "--set", "legs.start_tilt=3 deg"])
+        assert "# experiment legs-push" in told.out and "of that name" not in told.err
+    invoke(["check", "legs-push", "--set", "legs.start_tilt=3 deg"])
     assert "# experiment" not in capsys.readouterr().out
