@@ -18,6 +18,12 @@ def configs(tmp_path):
     return folder
 
 
+@pytest.fixture
+def no_page(monkeypatch):
+    """Draw no page where none is looked at: it takes a second."""
+    monkeypatch.setattr("rig.calibration.session.draw_page", lambda *_: [])
+
+
 def calibrate(configs, *words):
     out = ["--configs", str(configs), "--out", str(configs.parent / "runs")]
     return invoke(["calibrate", "cylinder", *words, *out])
@@ -50,6 +56,7 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     assert "agonist.bandwidth" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("no_page")
 def test_what_is_broken_off_changes_nothing_and_can_be_gone_on_with(configs, capsys):
     stop = "simulation.faults=[{at: 5, device: regulators, fault: emergency_stop}]"
     code = calibrate(configs, "response", "--yes", "--on", "sim", "--set", stop)
@@ -126,6 +133,7 @@ def test_a_preview_says_what_moves_and_how_far(rig, procedure, moves, capsys):
     assert moves in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("no_page")
 def test_another_seed_is_another_rig_of_whatever_is_said(configs, capsys):
     """What the seed draws is another rig; the file keeps which it was."""
     file = configs / "calibration" / "cylinder" / "cylinder.yaml"
