@@ -130,7 +130,7 @@ def freeze_configs(experiment: str, given: Path | None, into: Path) -> str:
     path = find_file(experiment, "experiments", search)
     try:
         shutil.rmtree(into, ignore_errors=True)
-        for folder in reversed(search):  # an earlier folder hides a later one
+        for folder in reversed([at for at in search if at.is_dir()]):  # earlier hides later
             shutil.copytree(
                 folder, into, ignore=_too_large, copy_function=_copy, dirs_exist_ok=True
             )

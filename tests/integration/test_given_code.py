@@ -50,9 +50,21 @@ def divided():
 @pytest.mark.parametrize(
     ("experiment", "given", "said"),
     [
-        ("cylinder-step", {"controller": Divides}, r"Divides\.update \(.*\) at \d\.\d{3} s: Zero"),
-        ("cylinder-step", {"controller": Leaves}, r"Leaves\.update \(.*\) at .* s: SystemExit: 3"),
-        ("arm-twist", {"reference": Drops(duration=3.0)}, r"Drops\.twist \(.*\) at .* s: Zero"),
+        (
+            "cylinder-step",
+            {"controller": Divides},
+            r"Divides\.update \(.*\) at \d\.\d{3} s of .*: Zero",
+        ),
+        (
+            "cylinder-step",
+            {"controller": Leaves},
+            r"Leaves\.update \(.*\) at .* s of .*: SystemExit: 3",
+        ),
+        (
+            "arm-twist",
+            {"reference": Drops(duration=3.0)},
+            r"Drops\.twist \(.*\) at .* s of .*: Zero",
+        ),
     ],
 )
 def test_code_that_raises_while_it_runs_is_named(tmp_path, experiment, given, said):
