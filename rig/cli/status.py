@@ -22,6 +22,7 @@ from rig.cli.tables import Table, print_json, print_tables
 if TYPE_CHECKING:
     from rig.calibration.procedure import AnyProcedure
     from rig.config import Profile
+    from rig.config.models import Calibration
 
 
 _RUN: Final = "rig run EXPERIMENT --on hardware"
@@ -309,10 +310,14 @@ def _tuned(profile: Profile, out: Path | None) -> list[Milestone]:
     if not found:
         state = f"no: the profile's own gains are in force{in_vain}"
         return [Milestone("tuned", state, remedy)]
-    return [
-        Milestone(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
-        for law, calibration in found.items()
-    ]
+    return [Milestone(f"tuned: {law}", _gains_of(its)) for law, its in found.items()]
+
+
+def _gains_of(calibration: Calibration) -> str:
+    """Return when gains were found, for which motion if for one alone, and where they are."""
+    wanted = calibration.provenance.conditions.get("tuned for", "")
+    alone = f", for {wanted}: other motions may need others" if wanted else ""
+    return f"{calibration.provenance.date[:10]}{alone}, {calibration.file}"
 
 
 def _margins(profile: Profile) -> list[Milestone]:

@@ -21,6 +21,8 @@ _FELL = "fell"
 _HUNTS = "hunts"
 _LOOKED_BACK = (_DIAGNOSIS, _FELL, _HUNTS, "camera")
 """Kinds of events that say what a log told once its run had ended."""
+_UNSAFE = "unsafe"
+"""Kind of the events that say who is not known to be safe after a stop."""
 _INJECTED = "injected"
 """Kind of the events that say what a simulation was to break."""
 _WARNED = (
@@ -102,6 +104,8 @@ def explain_run(folder: Path) -> list[Remark]:
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
+    unsafe = list(_messages(folder, _UNSAFE))
+    said[1:1] = [Remark("not safe", sentence) for sentence in unsafe]  # before all else
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     names |= {_ON: _on_option(manifest)}
@@ -121,6 +125,7 @@ def explain_run(folder: Path) -> list[Remark]:
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
         told.reverse()
     told = [*_messages(folder, _FELL), *told]  # before it fell there was no other fault
+    told[:0] = ["may not be safe"] if unsafe else []
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
         known = EXIT_CODES.get(str(code), "")

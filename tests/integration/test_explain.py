@@ -278,7 +278,7 @@ def test_frames_that_a_bus_loses_are_no_silence_of_one_device(tmp_path, capsys):
         capsys.readouterr()
         _, out, _ = said(capsys, "--runs", str(tmp_path), "--json")
         kinds[fault] = [entry["text"] for entry in json.loads(out) if entry["label"] == "kind"]
-    assert [*kinds.values()] == [["frames_lost"], ["silent"]]
+    assert [*kinds.values()] == [["frames_lost"], ["not_safe", "silent"]]
 
 
 @pytest.mark.parametrize(

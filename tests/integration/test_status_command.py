@@ -155,7 +155,10 @@ def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
     assert "found no better ones: 4 of 27 plants are lost" in state
     assert f"{TODAY:%Y-%m-%d} 3 generations for cascade" in state
 
-    tuned = {"procedure": "tune", "date": TODAY.isoformat(), "operator": "A", "backend": "virtual"}
+    tuned = {
+        "procedure": "tune", "date": TODAY.isoformat(), "operator": "A", "backend": "virtual",
+        "conditions": {"tuned for": "cylinder-step"},
+    }  # fmt: skip
     store.write(
         configs,
         "cylinder",
@@ -163,6 +166,8 @@ def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
         {"values": {}, "measured": [], "provenance": tuned},
     )
     assert following() == "rig run EXPERIMENT --rig cylinder"
+    state = stages(configs)[0]["tuned: cascade"]
+    assert state.startswith(f"{TODAY:%Y-%m-%d}, for cylinder-step: other motions may need others")
 
 
 def test_a_tune_of_another_rig_or_a_damaged_one_is_not_told(configs):
