@@ -37,21 +37,25 @@ def mark_region(axes: "Axes", run: RunData, kinds: Sequence[str] = KINDS) -> Non
     for segment in regions:
         axes.axvspan(segment.start, segment.end, color=BAND, lw=0, zorder=0, label=label)
         label = "_"
+    label = "near singular"  # its bounds are told where one singularity is looked at alone
     for kind in () if regions else kinds:
-        _shade_near(axes, run, kind)
+        bound = _bound(run, kind)
+        if len(kinds) == 1:
+            label = f"near singular: {_NAMES[kind]} < {bound:g}{_UNITS[kind]}"
+        label = _shade_near(axes, run, kind, bound, label)
 
 
-def _shade_near(axes: "Axes", run: RunData, kind: str) -> None:
+def _shade_near(axes: "Axes", run: RunData, kind: str, bound: float, label: str) -> str:
+    """Shade where an index is below a bound; return the label of what is shaded next."""
     name = f"plan.index_{kind}"
     if not run.has(name):
-        return
-    bound = _bound(run, kind)
+        return label
     t, near = run.time, np.abs(run.trace(name)) < bound
-    label = f"near singular: {_NAMES[kind]} < {bound:g}{_UNITS[kind]}"
     edges = np.flatnonzero(np.diff(np.concatenate(([False], near, [False])).astype(int)))
     for start, end in edges.reshape(-1, 2):
         axes.axvspan(t[start], t[min(end, len(t) - 1)], color=BAND, lw=0, zorder=0, label=label)
         label = "_"
+    return label
 
 
 def _bound(run: RunData, kind: str) -> float:

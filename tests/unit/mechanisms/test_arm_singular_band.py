@@ -38,7 +38,9 @@ def test_a_planned_region_is_all_that_is_shaded():
 @pytest.mark.parametrize(("settings", "width"), [({}, 0.05), ({"wrist_region": 0.2}, 0.2)])
 def test_without_one_it_is_shaded_below_the_bound(settings, width):
     wrist = np.where(T < 8.0, np.abs(T - 2.0), 0.0)  # through at 2 s, and there from 8 s on
-    spans, labels = bands(run_of(settings=settings, wrist=-wrist, elbow=1.0 + T))
+    run = run_of(settings=settings, wrist=-wrist, elbow=1.0 + T)
+    spans, labels = bands(run, kinds=("wrist",))
+    assert bands(run) == (spans, ["near singular"])
     assert labels == [f"near singular: $|S_5|$ < {width:g}"]
     assert spans == [
         pytest.approx((2.0 - width, 2.0 + width), abs=0.021), pytest.approx((8.0, 10.0), abs=0.011),
@@ -50,4 +52,6 @@ def test_a_panel_is_shaded_by_its_own_index():
     assert bands(run, kinds=("elbow",)) == ([], [])
     spans, labels = bands(run)
     assert len(spans) == 2
-    assert labels == ["near singular: $|c|$ < 0.03 m", "near singular: $|S_5|$ < 0.05"]
+    assert labels == ["near singular"]  # once, whatever is near
+    assert bands(run, kinds=("shoulder",))[1] == ["near singular: $|c|$ < 0.03 m"]
+    assert bands(run, kinds=("wrist",))[1] == ["near singular: $|S_5|$ < 0.05"]
