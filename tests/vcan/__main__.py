@@ -2,7 +2,8 @@
 
 Natively if this kernel makes virtual CAN interfaces, else inside Debian's user-mode Linux: a
 kernel that runs as an ordinary process, with the host's files as its own (packages
-``user-mode-linux``, ``kmod`` and ``iproute2``; no virtualisation, no privilege beyond root's).
+``user-mode-linux``, ``kmod`` and ``iproute2``; no virtualisation, no privilege beyond root's; or
+the newer one that ``.ci/user-mode-linux`` gets, which boots on every processor).
 It takes a second to boot. It has one processor and slow system calls: it is for function, not
 for timing. Where no tests are named each file has a kernel of its own, two at a time if there are
 two processors; what a file said is shown when it has ended.

@@ -9,10 +9,13 @@ import signal
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
 
 _MEMORY = "2048M"  # a file of the host, of which it takes what it needs
+_NEWER = Path("/opt/user-mode-linux")
+"""Where ``.ci/user-mode-linux`` puts a kernel that is newer than the distribution's."""
 _PR_SET_PDEATHSIG = 1
 SCRATCH = "/dev/shm"
 """A folder in the guest's own memory: what is written there need not wait for the host."""
@@ -29,22 +32,31 @@ _MODULES = (
 # What the first process does. The root is the host's: what this writes, the host keeps.
 _FIRST_PROCESS = """\
 #!/bin/sh
-: >{begun}
+: >{place}/begun
 mount -t proc proc /proc
 mount -t sysfs sys /sys
 mount -t devpts devpts /dev/pts 2>/dev/null
 mkdir -p {scratch} && mount -t tmpfs tmpfs {scratch}
-cd /usr/lib/uml/modules/$(uname -r)/kernel
+cd {modules_of}/$(uname -r)/kernel
 for module in {modules}; do {insmod} $module.ko; done
 {ip} link set lo up
 cd {folder}
 {environment}
-{command} </dev/null >{out} 2>&1
-echo $? >{code}
+{command} </dev/null >{place}/out 2>&1
+echo $? >{place}/code
 sleep 60  # the kernel is ended from outside
 """
 # A kernel that has no more to do with the host's hardware than its files must not look for it.
 _KEPT = ("HOME", "PATH", "LANG", "VIRTUAL_ENV", "PYTHONPATH", "NUMBA_CACHE_DIR", "MPLBACKEND")
+
+
+@dataclass(frozen=True)
+class _Kernel:
+    """One that is installed: its program, the folder of its modules, its own options."""
+
+    program: str
+    modules: Path
+    options: tuple[str, ...] = ()
 
 
 class NotInstalled(Exception):
@@ -82,67 +94,84 @@ def run_inside(command: list[str], folder: Path, time_limit: float, processor: i
     CannotBoot
         This machine's processor cannot run it.
     """
-    kernel = shutil.which("linux.uml") or shutil.which("linux")
+    kernels = _installed()
     insmod = shutil.which("insmod") or shutil.which("insmod", path="/sbin:/usr/sbin")
     ip = shutil.which("ip") or shutil.which("ip", path="/sbin:/usr/sbin")
-    if not (kernel and insmod and ip):
+    if not (kernels and insmod and ip):
         raise NotInstalled(
             "user-mode Linux is not installed: apt-get install user-mode-linux kmod iproute2"
         )
     _round_times(folder)
-    starter = [command[0], str(Path(__file__).parent), "--inside"]
-    with tempfile.TemporaryDirectory(prefix="vcan-") as name:
-        place = Path(name)
-        out, code, first = place / "out", place / "code", place / "init"
-        begun = place / "begun"
-        out.touch()
-        kept = {key: os.environ[key] for key in _KEPT if key in os.environ}
-        first.write_text(
-            _FIRST_PROCESS.format(
-                modules=" ".join(_MODULES),
-                insmod=insmod,
-                ip=ip,
-                scratch=SCRATCH,
-                folder=shlex.quote(str(folder)),
-                environment="\n".join(
-                    f"export {key}={shlex.quote(value)}" for key, value in kept.items()
+    signal.signal(signal.SIGTERM, _end_with)
+    inside = shlex.join([command[0], str(Path(__file__).parent), "--inside", *command])
+    for kernel in kernels:
+        with tempfile.TemporaryDirectory(prefix="vcan-") as name:
+            place = Path(name)
+            first = place / "init"
+            first.write_text(
+                _FIRST_PROCESS.format(
+                    place=place,
+                    modules_of=kernel.modules,
+                    modules=" ".join(_MODULES),
+                    insmod=insmod,
+                    ip=ip,
+                    scratch=SCRATCH,
+                    folder=shlex.quote(str(folder)),
+                    environment="\n".join(
+                        f"export {key}={shlex.quote(os.environ[key])}"
+                        for key in _KEPT
+                        if key in os.environ
+                    ),
+                    command=inside,
                 ),
-                command=shlex.join([*starter, *command]),
-                out=out,
-                code=code,
-                begun=begun,
-            ),
-            encoding="utf-8",
-        )
-        first.chmod(0o755)
-        signal.signal(signal.SIGTERM, _end_with)
-        booted = subprocess.Popen(
-            [
-                kernel, f"mem={_MEMORY}", "rootfstype=hostfs", "rootflags=/", "rw", "quiet",
-                f"init={first}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
-            ],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True,
-            preexec_fn=_die_with_parent,  # noqa: PLW1509 - this program has one thread
-        )  # fmt: skip
-        _come_first(booted.pid, processor)
-        try:
-            _follow(booted, out, code, time_limit)
-            died = booted.poll() is not None
-        finally:
-            # All of its processes are in a session of their own, the guest's programs too.
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(booted.pid, signal.SIGKILL)
-            booted.wait()
-        if died and not begun.exists():
-            raise CannotBoot(
-                "user-mode Linux dies on this processor before its first process: Debian's 6.1 "
-                "saves less of a processor's state than some have (those with AMX)"
+                encoding="utf-8",
             )
-        try:
-            return int(code.read_text())
-        except (OSError, ValueError):
-            return None
+            first.chmod(0o755)
+            booted = _boot(kernel, place, time_limit, processor)
+            if booted:
+                code = place / "code"
+                return int(code.read_text()) if code.exists() and code.stat().st_size else None
+    raise CannotBoot(
+        "user-mode Linux dies on this processor before its first process: Debian's 6.1 saves less "
+        "of a processor's state than some have (those with AMX); .ci/user-mode-linux gets a newer"
+    )
+
+
+def _installed() -> list[_Kernel]:
+    """Return the kernels of this machine, the newest first."""
+    newer = shutil.which("linux.uml", path=str(_NEWER))
+    own = shutil.which("linux.uml") or shutil.which("linux")
+    # Processes that help their kernel need a tenth of the time for a system call.
+    return [
+        *([_Kernel(newer, _NEWER / "modules", ("seccomp=auto",))] if newer else []),
+        *([_Kernel(own, Path("/usr/lib/uml/modules"))] if own else []),
+    ]
+
+
+def _boot(kernel: _Kernel, place: Path, time_limit: float, processor: int) -> bool:
+    """Run what is in this folder to its end, or that of the time; return whether it began."""
+    out = place / "out"
+    out.touch()
+    booted = subprocess.Popen(
+        [
+            kernel.program, f"mem={_MEMORY}", "rootfstype=hostfs", "rootflags=/", "rw", "quiet",
+            f"init={place / 'init'}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
+            *kernel.options,
+        ],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=_die_with_parent,  # noqa: PLW1509 - this program has one thread
+    )  # fmt: skip
+    _come_first(booted.pid, processor)
+    try:
+        _follow(booted, out, place / "code", time_limit)
+        died = booted.poll() is not None
+    finally:
+        # All of its processes are in a session of their own, the guest's programs too.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(booted.pid, signal.SIGKILL)
+        booted.wait()
+    return not died or (place / "begun").exists()
 
 
 def _round_times(folder: Path) -> None:

@@ -1,9 +1,9 @@
 """One time for several programs, which passes while none of them has anything to do.
 
-User-mode Linux has one processor and takes a hundred times longer for a system call than the
-kernel outside: programs in real time would show how slow it is, or how busy its host, and nothing
-else. In this time every computer is infinitely fast. It stands still while a program works, and
-when all of them wait it goes on to the first instant that one of them waits for.
+User-mode Linux has one processor and takes ten to a hundred times longer for a system call than
+the kernel outside: programs in real time would show how slow it is, or how busy its host, and
+nothing else. In this time every computer is infinitely fast. It stands still while a program works,
+and when all of them wait it goes on to the first instant that one of them waits for.
 
 Who sees to that is the `time_keeper`, a program that runs only when no other can.
 """
