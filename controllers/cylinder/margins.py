@@ -132,6 +132,40 @@ def reference_response(law: AnyPairLaw, model: PairModel, frequencies: Array) ->
     return np.asarray(pair.seen(z)[:, 0] * fed / (1.0 + pair.loop(linear, z)))
 
 
+def measured_loop(law: AnyPairLaw, frequencies: Array, seen: Complex) -> Complex:
+    """Return the response of the loop of a law around a pair that was measured.
+
+    Parameters
+    ----------
+    law : PairLaw
+        It is not changed.
+    frequencies : ndarray, shape (n,)
+        Hz.
+    seen : ndarray of complex, shape (n, 2)
+        What a law reads of the position (m) and of the pressures' difference (Pa) in the cycle in
+        which it sends a difference of the setpoints of 1 Pa.
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Broken at the setpoints; -1 is the critical point.
+    """
+    linear = _linearise(law, law.model)
+    z = np.exp(2j * math.pi * frequencies * law.period)
+    return _around(linear, z, seen)
+
+
+def modelled_loop(law: AnyPairLaw, model: PairModel, frequencies: Array) -> Complex:
+    """Return what `measured_loop` would be if a pair were as the model says."""
+    z = np.exp(2j * math.pi * frequencies * law.period)
+    return _around(_linearise(law, model), z, _Pair(model, law.period).seen(z))
+
+
+def _around(law: _Linear, z: Complex, seen: Complex) -> Complex:
+    inner = _solve(z, law.a, seen @ law.b.T)
+    return np.asarray(-(inner @ law.c + seen @ law.d))
+
+
 def _margins(linear: _Linear, pair: "_Pair", period: float) -> LoopMargins:
     closed = pair.closed(linear)
     stable = bool(np.max(np.abs(np.linalg.eigvals(closed))) < 1.0)
@@ -173,9 +207,7 @@ class _Pair:
 
     def loop(self, law: _Linear, z: Complex) -> Complex:
         """Return the frequency response, broken at the setpoint; -1 is the critical point."""
-        seen = self.seen(z)
-        inner = _solve(z, law.a, seen @ law.b.T)
-        return np.asarray(-(inner @ law.c + seen @ law.d))
+        return _around(law, z, self.seen(z))
 
     def seen(self, z: Complex) -> Complex:
         """Return what a law reads of the position and the difference, for a setpoint of 1."""

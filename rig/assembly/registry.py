@@ -1,7 +1,7 @@
 """What profiles and experiments may name, as the loader and the program ask for it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rig.assembly.contract_check import (
     check_class,
@@ -42,6 +42,9 @@ from rig.hal.motion import FactKind
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 from rig.hal.plant import PhysicsSettings
 from rig.hal.scene import Scene
+
+if TYPE_CHECKING:
+    from rig.hal.measured_loop import MeasuredLoop
 
 Thing = TypeVar("Thing")
 
@@ -166,6 +169,14 @@ class InstalledParts:
             return None
         found: type[TuningBench] = load(path, f"mechanism {mechanism}: ")
         check_offers(f"mechanism {mechanism}: {path}", found, TuningBench)
+        return found
+
+    def measured_loop(self, mechanism: str) -> "Callable[..., MeasuredLoop] | None":
+        """Return what tells a loop from a run, see `MechanismParts`; None: there is nothing."""
+        path = self.mechanism(mechanism).measured_loop
+        if path is None:
+            return None
+        found: Callable[..., MeasuredLoop] = load(path, f"mechanism {mechanism}: ")
         return found
 
     def commissioning(self, mechanism: str, protocol: type[Thing]) -> Sequence[Thing]:

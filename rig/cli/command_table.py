@@ -11,6 +11,7 @@ COMMANDS = {
     "commission": ("rig.cli.commission:commission", "Test a physical rig before it is used."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "tune": ("rig.cli.tune:tune", "Find gains that a rig and its uncertainty bear."),
+    "margins": ("rig.cli.margins:margins", "Measure how far a loop is from instability."),
     "watch": ("rig.cli.watch:watch", "Show a run in a browser, also while it goes on."),
     "stop": ("rig.cli.stop:stop", "Stop a run that goes on, from another terminal."),
     "reset": ("rig.cli.reset:reset", "Reset a rig's latched fault."),

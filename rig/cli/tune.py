@@ -237,5 +237,12 @@ def _apply(
         click.echo(f"{told}these gains; --for EXPERIMENT tunes for another motion", err=True)
     else:
         click.echo(f"tuned for {request.experiment}: other motions may need other gains", err=True)
+    if REGISTRY.measured_loop(bench.profile.mechanism) is not None:
+        measure = f"rig margins {bench.profile.argument} --controller {request.controller}"
+        click.echo(
+            f"on the rig itself, {measure} --on hardware measures the loop with these gains, and "
+            "takes them back if it is nearer to instability than before",
+            err=True,
+        )
     tell_next(load_profile(request.rig, REGISTRY, (), search), search)
     return path

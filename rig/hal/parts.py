@@ -97,6 +97,10 @@ class MechanismParts(Additions):
         The class that the loop runs, a `rig.hal.Mechanism`.
     bench : Path, optional
         A `rig.hal.bench.TuningBench`, on which `rig tune` tries gains; without it nothing is tuned.
+    measured_loop : Path, optional
+        ``measured_loop(run, law)``, the `rig.hal.measured_loop.MeasuredLoop` that a law closes,
+        from a run of the experiment that is called after the mechanism, as ``cylinder-margins``;
+        without it `rig margins` cannot measure one.
     commissioning : Path, optional
         ``steps()``, the `rig.commissioning.step.AcceptanceStep`s of its acceptance test in their
         order; without it `rig commission` cannot test the rig.
@@ -109,6 +113,7 @@ class MechanismParts(Additions):
     settings: Path
     view: Path
     bench: Path | None = None
+    measured_loop: Path | None = None
     commissioning: Path | None = None
     scene: Path | None = None
     drawings: Mapping[str, Path] = field(default_factory=dict)

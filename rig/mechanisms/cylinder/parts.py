@@ -13,6 +13,7 @@ PARTS = MechanismParts(
     view=f"{_HERE}.mechanism:AntagonisticPair",
     scene=f"{_HERE}.scene:PairScene",
     bench=f"{_HERE}.bench:PairBench",
+    measured_loop=f"{_HERE}.measured_loop:loop_of_run",
     commissioning=f"{_HERE}.commissioning:steps",
     controllers={
         "pid": f"{_LAWS}.pid:Pid",
@@ -25,6 +26,7 @@ PARTS = MechanismParts(
         "staircase": f"{_HERE}.references:Staircase",
         "step": f"{_HERE}.references:Step",
         "ramp": f"{_HERE}.references:Ramp",
+        "probe": f"{_HERE}.probe:Probe",
     },
     plants={
         name: PlantModel(
@@ -51,6 +53,7 @@ PARTS = MechanismParts(
         f"{_HERE}.figures:PAIR_FIGURES",
         f"{_HERE}.step_figure:STEP_FIGURES",
         f"{_HERE}.frequency_figure:PAIR_RESPONSE",
+        f"{_HERE}.margins_figure:MARGINS_FIGURES",
     ),
     comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
     procedures=(

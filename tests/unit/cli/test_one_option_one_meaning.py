@@ -35,9 +35,10 @@ SEVERAL = {
 RUN_FOLDERS = {"run", "compare", "doctor", "status", "commission", "calibrate", "tune", "list",
                "watch", "stop", "monitor", "explain", "report", "diff"}  # fmt: skip
 LOADS_A_PROFILE = {"run", "compare", "sweep", "check", "doctor", "status", "commission",
-                   "calibrate", "tune", "reset", "simulate", "monitor"}  # fmt: skip
-SIMULATES_ONE = {"run", "compare", "commission", "calibrate", "check", "simulate"}
-MOVES_HARDWARE = {"run", "compare", "sweep", "commission", "calibrate", "reset", "rerun"}
+                   "calibrate", "tune", "margins", "reset", "simulate",
+                   "monitor"}  # fmt: skip
+SIMULATES_ONE = {"run", "compare", "commission", "calibrate", "check", "margins", "simulate"}
+MOVES_HARDWARE = {"run", "compare", "sweep", "commission", "calibrate", "margins", "reset", "rerun"}
 
 
 def options():

@@ -1,0 +1,255 @@
+"""`rig margins`: how far a rig's loop is from instability, measured on it."""
+
+from __future__ import annotations
+
+import getpass
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rig.cli.names import (
+    complete_rig,
+    configs_option,
+    json_option,
+    out_option,
+    seed_option,
+    set_option,
+    uncommissioned_option,
+    with_seed,
+    yes_option,
+)
+from rig.cli.on_option import OnBackend
+from rig.cli.tables import Table, print_json, print_tables
+
+if TYPE_CHECKING:
+    from rig.experiment.plan import Plan
+    from rig.experiment.run import Result
+    from rig.hal.closed_loop import ClosedLoop
+    from rig.hal.measured_loop import MeasuredLoop
+    from rig.tuning.measured import LoopsBeside
+
+_FAR = 3.0
+"""So many times the crossover a loop should be known."""
+_FILE = "margins"
+_UNITS = {"crossover": "rad/s", "phase": "rad", "delay": "s", "sensitivity": "1"}
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.option("--controller", default="cascade", show_default=True, help="The law.")
+@click.option(
+    "--on", "on", type=OnBackend(), default="virtual", show_default=True,
+    help="As for `rig run`.",
+)  # fmt: skip
+@click.option(
+    "--leave", is_flag=True,
+    help="Leave tuned gains in force, though the loop be nearer to instability than before.",
+)  # fmt: skip
+@click.option("--operator", default=None, help="Who measures; default: the user's name.")
+@out_option
+@set_option
+@seed_option
+@configs_option
+@uncommissioned_option
+@yes_option
+@json_option
+def margins(
+    rig: str,
+    controller: str,
+    on: str,
+    leave: bool,
+    operator: str | None,
+    out: Path,
+    overrides: tuple[str, ...],
+    seed: int | None,
+    configs: Path | None,
+    uncommissioned: str | None,
+    yes: str | None,
+    as_json: bool,
+) -> int:
+    """Measure on RIG how far the loop of its law is from instability.
+
+    The rig runs an experiment that shakes it a little while it moves, less than a minute long.
+    From its log come the crossover, the phase and delay margins and the greatest sensitivity,
+    with their 95 % intervals, beside those of the linear model. Gains that `rig tune` has put in
+    force are compared with those before them, on the same recording: if they are worse, and miss
+    the bound of 1.7, those before them are put in force again (exit 1).
+
+    The run folder gets margins.json and a figure. Hardware moves only when the rig's name was
+    typed, or given by --yes.
+    """
+    from rig.assembly import REGISTRY
+    from rig.cli.announce import may_move
+    from rig.config import load_profile
+    from rig.config.names import find_configs
+    from rig.experiment.ending import EXIT_MISSED, EXIT_OK, EXIT_USAGE
+    from rig.experiment.plan import load_plan, split_overrides
+    from rig.tuning.measured import loop_teller, measured_beside
+
+    search = find_configs(configs)
+    given = with_seed(overrides, seed)
+    of_rig = split_overrides(given, rig, search)[1]
+    profile = load_profile(rig, REGISTRY, of_rig, search)
+    loop_teller(profile)
+    plan = load_plan(
+        f"{profile.mechanism}-margins", [*given, f"controller={controller}"], rig=rig,
+        configs=configs,
+    )  # fmt: skip
+    if not may_move(plan, on, yes, uncommissioned):
+        return EXIT_USAGE
+    result = _run(plan, on, out, given, uncommissioned)
+    if result.exit_code not in (EXIT_OK, EXIT_MISSED):
+        _tell_ended(result)
+        return result.exit_code
+    loops = measured_beside(result.path, plan.profile, controller, search, of_rig)
+    figures = _keep(result.path, loops)
+    back = None
+    if loops.is_worse and not leave:
+        back = _put_back(plan, controller, loops, search, operator or getpass.getuser())
+    if as_json:
+        print_json({"run": result.path, **_as_data(loops), "put_back": back})
+    else:
+        _show(plan.profile.name, controller, loops)
+    for path in figures:
+        click.echo(str(path), err=True)
+    return EXIT_MISSED if loops.is_worse else EXIT_OK
+
+
+def _run(
+    plan: Plan, on: str, out: Path, given: Sequence[str], uncommissioned: str | None
+) -> Result:
+    from rig.assembly import Backend, backend_of
+    from rig.cli.progress import ProgressLine
+    from rig.experiment.run import run_experiment
+
+    with ProgressLine(plan.experiment.name, on) as line:
+        return run_experiment(
+            plan, backend_of(on), out,
+            on=None if on in list(Backend) else on, overrides=given, watcher=line,
+            report=False, is_permitted=True, uncommissioned=uncommissioned,
+        )  # fmt: skip
+
+
+def _tell_ended(result: Result) -> None:
+    click.echo(f"{result.status}: {result.message}", err=True)
+    click.echo(f"what it means, and what to check: rig explain {result.path}", err=True)
+
+
+def _keep(run: Path, loops: LoopsBeside) -> list[Path]:
+    """Write what was measured into the run folder; return the figure's files."""
+    from rig.json_file import write_json
+    from rig.report.data import imprint_of
+    from rig.report.loop_figure import draw_loops
+    from rig.report.style import paper_style, save
+    from rig.run_facts import FIGURES
+    from rig.run_folder import RunFolder
+
+    folder = RunFolder.open(run)
+    write_json(folder.place(f"{_FILE}.json"), _as_data(loops))
+    shown = {"in force": loops.now}
+    if loops.before is not None:
+        shown["before"] = loops.before
+    with paper_style():
+        figure = draw_loops(shown)
+        return save(figure, folder.place(FIGURES), _FILE, imprint_of([folder]))[:1]
+
+
+def _put_back(
+    plan: Plan, controller: str, loops: LoopsBeside, search: Sequence[Path], operator: str
+) -> Path:
+    from rig.tuning.measured import put_back
+
+    assert loops.former is not None
+    assert loops.before is not None
+    now, before = loops.now.margins.sensitivity, loops.before.margins.sensitivity
+    why = f"sensitivity measured {now:.3g}, before {before:.3g}"
+    path = put_back(
+        plan.profile, controller, loops.former, search, why=why,
+        operator=operator,
+    )  # fmt: skip
+    click.echo(
+        f"the tuned gains are nearer to instability on this rig ({why}): {loops.former.what} are "
+        "in force again; --leave would have left them",
+        err=True,
+    )
+    click.echo(str(path), err=True)
+    return path
+
+
+def _as_data(loops: LoopsBeside) -> dict[str, object]:
+    """Return what was measured as plain data, SI."""
+
+    def one(loop: MeasuredLoop) -> dict[str, object]:
+        measured, model = loop.margins, _modelled(loop)
+        return {
+            **{
+                name: {
+                    "measured": _known(getattr(measured, name)),
+                    "interval": [_known(bound) for bound in loop.interval(name)],
+                    "model": _known(getattr(model, name)),
+                }
+                for name in _UNITS
+            },
+            "frequencies": loop.frequencies.tolist(),
+            "gain": abs(loop.response).tolist(),
+        }
+
+    data: dict[str, object] = {"now": one(loops.now)}
+    if loops.before is not None and loops.former is not None:
+        data["before"] = {"gains": loops.former.what, **one(loops.before)}
+    return data
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _modelled(loop: MeasuredLoop) -> ClosedLoop:
+    from rig.hal.measured_loop import margins_of
+
+    return margins_of(loop.frequencies, loop.model)
+
+
+def _show(rig: str, controller: str, loops: LoopsBeside) -> None:
+    from rig.tuning.score import SENSITIVITY
+
+    names = {
+        "crossover": "crossover", "phase": "phase margin", "delay": "bears further dead time of",
+        "sensitivity": f"greatest sensitivity (at most {SENSITIVITY:g})",
+    }  # fmt: skip
+    head = ["what", "linear model", "measured", "95 %"]
+    if loops.before is not None:
+        head += ["measured, before", "95 %"]
+    rows = []
+    for name, said in names.items():
+        row = [said, _text(name, getattr(_modelled(loops.now), name))]
+        for loop in (loops.now, loops.before):
+            if loop is not None:
+                low, high = loop.interval(name)
+                between = "-" if math.isnan(low) else f"{_text(name, low)} to {_text(name, high)}"
+                row += [_text(name, getattr(loop.margins, name)), between]
+        rows.append(tuple(row))
+    up_to = f"{loops.now.frequencies[-1]:g} Hz"
+    if loops.now.frequencies[-1] < _FAR * loops.now.margins.crossover / (2.0 * math.pi):
+        click.echo(
+            f"above {up_to} the loop could not be told from noise: the pair may stick, or swing by "
+            "itself, while it glides",
+            err=True,
+        )
+    title = f"the loop that {controller} closes on {rig}, up to {up_to}"
+    print_tables([Table(title, tuple(head), rows)])
+
+
+def _text(name: str, value: float) -> str:
+    from rig.config import format_quantity
+
+    if math.isnan(value):
+        return "-"
+    if name == "phase":
+        return f"{math.degrees(value):.3g} deg"
+    if name == "sensitivity":
+        return f"{value:.3g}"
+    return format_quantity(float(f"{value:.3g}"), _UNITS[name])

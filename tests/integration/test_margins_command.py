@@ -1,0 +1,122 @@
+"""`rig margins` as a person uses it: after `rig tune`, on the rig."""
+
+import json
+import shutil
+from datetime import UTC, datetime, timedelta
+
+import pytest
+import yaml
+
+from rig.assembly import REGISTRY
+from rig.calibration.store import write
+from rig.cli import invoke
+from rig.config import load_profile
+from rig.config.names import find_configs
+
+TARGET = "controllers.cascade"
+QUICK = ("--on", "sim")
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    for folder in find_configs(None):
+        shutil.copytree(folder, tmp_path / "configs", dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def tuned(place, age, **gains):
+    """Put gains in force as `rig tune` does, so many days ago."""
+    moment = (datetime.now(UTC) - timedelta(days=age)).isoformat(timespec="seconds")
+    content = {
+        "values": gains,
+        "measured": [
+            {"name": name, "value": gain, "unit": "", "std": 0.0, "interval": [gain, gain],
+             "procedure": "tune"}
+            for name, gain in gains.items()
+        ],
+        "provenance": {
+            "procedure": "tune", "date": moment, "operator": "somebody", "backend": "profile",
+            "profile": "rigs/cylinder.yaml",
+        },
+    }  # fmt: skip
+    return write(place / "configs", "cylinder", TARGET, content, "tune")
+
+
+def cascade(place):
+    return load_profile("cylinder", REGISTRY, (), [place / "configs"]).controllers["cascade"]
+
+
+def measured(capfd, *more):
+    code = invoke(["margins", "cylinder", *QUICK, "--json", *more])
+    out, err = capfd.readouterr()
+    return code, json.loads(out) if code in (0, 1) else None, err
+
+
+def test_a_loop_is_measured_and_kept_with_its_figure(place, capfd):
+    code, found, err = measured(capfd)
+    assert code == 0, err
+    assert "before" not in found and found["put_back"] is None
+    low, high = found["now"]["sensitivity"]["interval"]
+    assert 1.2 < low < found["now"]["sensitivity"]["measured"] < high < 2.2
+    (run,) = (place / "runs").glob("*-cylinder-margins-sim")
+    kept = json.loads((run / "margins.json").read_text())
+    assert kept["now"]["delay"] == found["now"]["delay"]
+    assert (run / "figures" / "margins.png").stat().st_size > 10_000
+
+
+def test_gains_that_are_worse_on_the_rig_are_taken_back(place, capfd):
+    """By those of the profile at first, then by those that were tuned before."""
+    own = cascade(place)
+    file = tuned(place, 3.0, position_rate=165.0, velocity_rate=150.0)
+    assert cascade(place).position_rate == 165.0
+    code, found, err = measured(capfd)
+    assert code == 1
+    assert found["before"]["gains"] == "the profile's own"
+    assert found["now"]["sensitivity"]["measured"] > found["before"]["sensitivity"]["measured"]
+    assert "the tuned gains are nearer to instability on this rig" in err
+    assert cascade(place) == own
+    back = yaml.safe_load(file.read_text())["provenance"]
+    assert back["conditions"]["put back"].startswith("the profile's own: sensitivity measured")
+
+    tuned(place, -1.0, position_rate=160.0, velocity_rate=160.0)
+    code, found, err = measured(capfd)
+    assert code == 1 and found["before"]["gains"] == f"those of {back['date']}"
+    assert cascade(place) == own
+
+
+def test_gains_that_are_worse_stay_if_that_is_asked_for(place, capfd):
+    tuned(place, 3.0, position_rate=165.0, velocity_rate=150.0)
+    code, found, _ = measured(capfd, "--leave")
+    assert code == 1 and found["put_back"] is None
+    assert cascade(place).position_rate == 165.0
+
+
+def test_gains_that_are_softer_than_before_stay_in_force(place, capfd):
+    tuned(place, 3.0, position_rate=95.0, velocity_rate=95.0)
+    code, found, err = measured(capfd)
+    assert code == 0, err
+    assert found["before"]["gains"] == "the profile's own"
+    assert cascade(place).position_rate == 95.0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("margins", "joint"), "the loop of a joint cannot be measured, that of a cylinder can"),
+        (("margins", "cylindre"), "cylinder"),
+        (("margins", "cylinder", "--controller", "pidd"), "no controller is called 'pidd'"),
+    ],
+)
+def test_what_cannot_be_measured_is_a_sentence(words, said, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert invoke(list(words)) == 2
+    err = capfd.readouterr().err
+    assert said in err and "Traceback" not in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_ends_in_a_fault_tells_no_margins(place, capfd):
+    code = invoke(["margins", "cylinder", *QUICK, "--set", "plant.regulator.bandwidth=15 rad/s"])
+    out, err = capfd.readouterr()
+    assert code == 4 and "rig explain" in err and not out
