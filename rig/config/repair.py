@@ -2,9 +2,11 @@
 
 A dataclass is only made of readable values, so its rules are not asked while one is wrong. Here the
 wrong ones are replaced by right ones, twice and differently: what is broken both times in the same
-words is broken whatever stands in their place.
+words is broken whatever stands in their place. A key that there is not is left out the first time,
+and taken for the one most like it the second. Of what was made up here no rule is told.
 """
 
+import difflib
 from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import MISSING, fields, is_dataclass
@@ -55,8 +57,9 @@ def _rules(
 ) -> list[tuple[_Path, str]]:
     content = deepcopy(plain)
     broken: list[tuple[_Path, str]] = []
+    made: list[_Path] = []
     for _ in range(_ROUNDS):
-        if not all(_mend(settings, content, details, validate, which) for details in found):
+        if not all(_mend(settings, content, details, validate, which, made) for details in found):
             break
         try:
             validate(settings, content)
@@ -64,16 +67,25 @@ def _rules(
         except ValidationError as error:
             found = error.errors(include_url=False)
         for details in found:
-            if details["type"] == "value_error":
+            loc = details["loc"]
+            if details["type"] == "value_error" and not any(loc[: len(p)] == p for p in made):
                 told = told_by(details["ctx"]["error"])
-                broken.extend((details["loc"], message) for message in told)
+                broken.extend((loc, message) for message in told)
     return broken
 
 
 def _mend(
-    settings: type, content: object, details: ErrorDetails, validate: Validate, which: int
+    settings: type,
+    content: object,
+    details: ErrorDetails,
+    validate: Validate,
+    which: int,
+    made: list[_Path],
 ) -> bool:
-    """Put something right in the place of what is wrong; return whether there is such a thing."""
+    """Put something right in the place of what is wrong; return whether there is such a thing.
+
+    A mapping that is put there whole is added to `made`.
+    """
     path: list[str | int] = []
     holder, below = content, content
     for part in details["loc"]:
@@ -89,12 +101,26 @@ def _mend(
         return False
     if isinstance(holder, dict) and _may_be_left_out(settings, tuple(path), details, which):
         holder.pop(path[-1], None)
-        return True
+        meant = _meant_key(settings, tuple(path), holder) if which != 0 else None
+        if details["type"] != "extra_forbidden" or meant is None:
+            return True
+        path[-1] = meant
     right = _right_values(hint_at(settings, tuple(path)), validate)
     if not right:
         return False
     holder[path[-1]] = right[which]  # type: ignore[index] # a dict by keys, a list by positions
+    if isinstance(right[which], dict):
+        made.append(tuple(path))
     return True
+
+
+def _meant_key(settings: type, path: _Path, holder: dict[object, object]) -> str | None:
+    """Return the key that is most like one that there is not, if it is not given beside it."""
+    owner = hint_at(settings, path[:-1]) if len(path) > 1 else settings
+    if not is_dataclass(owner):
+        return None
+    free = [field.name for field in fields(owner) if field.init and holder.get(field.name) is None]
+    return next(iter(difflib.get_close_matches(str(path[-1]), free, n=1)), None)
 
 
 def _may_be_left_out(settings: type, path: _Path, details: ErrorDetails, which: int) -> bool:
