@@ -9,7 +9,7 @@ from rig.assembly.answers import check_motion
 from rig.assembly.contract_check import check_offers, make
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
-from rig.config.named_settings import controller_key
+from rig.config.named_settings import controller_key, controller_names
 from rig.hal import (
     Clock,
     ConfigurationError,
@@ -102,9 +102,11 @@ def controller_class(profile: Profile, name: str) -> Callable[..., AnyLaw]:
         The profile has no settings for it.
     """
     if name not in profile.controllers:
+        entry = f"; with its own gains: --set 'controllers.{name}={{}}'"
         raise ConfigurationError(
             f"the profile {profile.name} has no controller {name!r}; "
             f"it has {', '.join(profile.controllers)}"
+            f"{entry if name in controller_names(REGISTRY, profile.mechanism) else ''}"
         )
     key = controller_key(REGISTRY, profile.mechanism, name)
     found: Callable[..., AnyLaw] = REGISTRY.load("controller", key)

@@ -55,7 +55,7 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
         from rig.config import find_configs, load_profile
 
         profile = load_profile(rig, REGISTRY, (), find_configs(configs))
-    told = _explain(word, runs, profile)
+    told = _explain(word, runs, profile, configs)
     if as_json:
         print_json([{"label": label, "text": text} for label, text in told])
     else:
@@ -73,7 +73,9 @@ def _line(label: str, text: str) -> str:
     )  # fmt: skip
 
 
-def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[str, str]]:
+def _explain(
+    word: str, runs: Path, profile: Profile | None, configs: Path | None
+) -> Sequence[tuple[str, str]]:
     from rig.explaining.ended_run import explain_run
     from rig.explaining.faults import refusal_of, topic_of
     from rig.hal import ConfigurationError
@@ -105,11 +107,22 @@ def _explain(word: str, runs: Path, profile: Profile | None) -> Sequence[tuple[s
             f"neither a key nor a column of the newest run's log is called {word!r}; --rig PROFILE "
             "knows the columns of that rig, `rig export RUN --format csv` shows those of a run"
         )
+    raise ConfigurationError(f"nothing is called {word!r}; {_hint(word, configs)}")
+
+
+def _hint(word: str, configs: Path | None) -> str:
+    """Return where a word may be known, or which one is like it."""
+    from rig.assembly import REGISTRY
+    from rig.config import find_configs
+    from rig.config.law_hint import hint_of_additions, profiles_with_law
+
+    if profiles := profiles_with_law(word, find_configs(configs)):
+        return f"a profile has a law of that name: rig explain {word} --rig {profiles[0]}"
     near = difflib.get_close_matches(word, _names(), n=3)
     hint = (
         f"did you mean {' or '.join(near)}?" if near else "`rig explain --help` says what it knows"
     )
-    raise ConfigurationError(f"nothing is called {word!r}; {hint}")
+    return hint_of_additions(REGISTRY, hint) or hint
 
 
 def _is_path_of_run(word: str) -> bool:

@@ -97,8 +97,10 @@ def new(
         refuse_taken(name)
         written = Path(name)
         write_files(written, package_files(package, name))
+        profile = written / "configs" / "rigs" / f"{profile_of(name)}.yaml"
+        if kind == "controller":
+            notes = (f"another rig has {name} with the `additions` and `controllers` of {profile}",)
         if kind == "driver":
-            profile = written / "configs" / "rigs" / f"{profile_of(name)}.yaml"
             notes = (f"simulated, it shows a wire's tension: `measures` in {profile} chooses",)
         following = [
             f"pip install -e './{name}[test]'",

@@ -3,6 +3,7 @@
 from typing import TypeVar, cast
 
 from rig.config.diagnostics import Problems, nearest, shown
+from rig.config.law_hint import hint_of_additions
 from rig.config.located import BROKEN, Node
 from rig.config.models import Settings
 from rig.config.named_settings import Kind, Registry
@@ -86,7 +87,7 @@ class Sections:
             if not hint.startswith("did you mean"):
                 hint = f"is the package installed that it is of? {hint}".strip()
             message = f"no {kind} is called {shown(name)}"
-            self.problems.add(node.mark, message, self.hint_of_additions(hint))
+            self.problems.add(node.mark, message, hint_of_additions(self.registry, hint))
             return None
 
     def admit_additions(self) -> None:
@@ -106,14 +107,6 @@ class Sections:
                 self.problems.add(entry.mark, message, hint)
             except ConfigurationError as error:
                 self.problems.add(entry.mark, str(error))
-
-    def hint_of_additions(self, hint: str | None) -> str | None:
-        """Return a hint for a name that there is not: it may be of additions, which are named."""
-        unnamed = ", ".join(self.registry.unnamed())
-        if not unnamed:
-            return hint
-        more = f"a profile's additions: [NAME] lets a package take part: {unnamed}"
-        return more if hint is None else f"{hint}; {more}"
 
     def chosen(
         self, kind: Kind, node: Node, key: str, default: str | None = None

@@ -17,6 +17,7 @@ from rig.config.document import (
     parse_overrides,
     with_plain_quantities,
 )
+from rig.config.law_hint import hint_of_law
 from rig.config.located import Node, places_of
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
 from rig.config.named_files import beside, check_files, with_path_beside
@@ -239,7 +240,7 @@ def _check_names(
         place, _ = root.descend(("controller",))
         of = controller_names(registry) if rig is None else _controllers_of(rig, registry, search)
         message = f"no controller is called {shown(controller)}"
-        problems.add(place.mark, message, nearest(controller, of))
+        problems.add(place.mark, message, hint_of_law(controller, rig, of, registry, search))
     name = _text_under("name", root)
     if name and not is_name(name):
         place, _ = root.descend(("name",))

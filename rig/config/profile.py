@@ -20,6 +20,7 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import apply_overrides, load_document, parse_overrides
 from rig.config.dump import as_plain
 from rig.config.laid_over import TUNED, lay_calibrations
+from rig.config.law_hint import hint_of_additions
 from rig.config.located import BROKEN, Node, places_of
 from rig.config.models import (
     BusEntry,
@@ -283,7 +284,8 @@ class _Reader(Sections):
         known = controller_names(self.registry, scope)
         if name not in known:
             message = f"no controller is called {shown(name)}"
-            self.problems.add(node.heading, message, self.hint_of_additions(nearest(name, known)))
+            hint = hint_of_additions(self.registry, nearest(name, known))
+            self.problems.add(node.heading, message, hint)
             return None
         key = name if scope is None else controller_key(self.registry, scope, name)
         try:

@@ -103,6 +103,14 @@ def test_a_typing_error_gets_the_nearest_names(capsys):
     assert "tracking_rms" in err
 
 
+def test_a_law_of_a_profile_that_nobody_named_gets_the_command_that_names_it(capsys, tmp_path):
+    (tmp_path / "rigs").mkdir()
+    (tmp_path / "rigs" / "our-rig.yaml").write_text("controllers: {our-law: {}}\n")
+    code, _, err = said(capsys, "our-law", "--configs", str(tmp_path))
+    assert code == 2
+    assert "rig explain our-law --rig our-rig" in err
+
+
 def test_every_topic_says_what_a_person_needs():
     names = [topic.name for topic in (*fault_topics(), *refusal_topics())]
     assert len(names) == len(set(names))

@@ -127,6 +127,10 @@ def test_a_name_that_is_missing_tells_of_what_is_installed(mark, capsys):
     said = capsys.readouterr().err
     assert "no controller is called 'sly-law'" in said
     assert "additions: [NAME] lets a package take part: sly of the package sly" in said
+    for words in (["explain", "sly-law"], ["run", "cylinder-sine", "--set", "law=sly-law"]):
+        Path("configs/rigs/ours.yaml").unlink(missing_ok=True)
+        assert invoke(words) == 2
+        assert "lets a package take part: sly of the package sly" in capsys.readouterr().err
     path = profile(Path("configs"), "additions: [slyly]\n")
     assert invoke(["check", str(path)]) == 2
     said = capsys.readouterr().err
