@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rig.cli.calibrate_again import go_on_command
 from rig.cli.loops import known_loops, loops_of
 from rig.cli.names import (
     complete_rig,
@@ -194,7 +195,7 @@ def _calibrate(
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
-                return _tell_ended(procedure, profile, result, folders, options["seed"])
+                return _tell_ended(procedure, profile, result, folders)
         asks = partial(click.prompt, err=True)
         readings = read_instruments(
             procedure, profile, folders,
@@ -212,7 +213,13 @@ def _calibrate(
         click.echo(str(lack), err=True)
         return 0
     except CalibrationRefused as refusal:
-        return _tell_refused(procedure, profile, refusal, folders, options["seed"])
+        return _tell_refused(procedure, profile, refusal, folders)
+    except KeyboardInterrupt:
+        if not folders:
+            raise
+        again = go_on_command(procedure.name, profile, folders)
+        click.echo(f"interrupted; what was recorded is kept, go on with: {again}", err=True)
+        return 130
     loops = _loops(profile, search, options, calibrated)
     done.append(_as_data(procedure, calibrated, loops))
     _show(procedure, calibrated, quiet=options["as_json"])
@@ -241,24 +248,15 @@ def _record(
         )  # fmt: skip
 
 
-def _again(
-    procedure: AnyProcedure, profile: Profile, folders: Sequence[Path], seed: int | None
-) -> str:
-    runs = " ".join(f"--from {path}" for path in folders)
-    drawn = "" if seed is None else f" --seed {seed}"
-    return f"go on with: rig calibrate {profile.argument} {procedure.name}{drawn} {runs}"
-
-
 def _tell_ended(
     procedure: AnyProcedure,
     profile: Profile,
     result: Result,
     folders: Sequence[Path],
-    seed: int | None,
 ) -> int:
     click.echo(f"{result.status}: {result.message}", err=True)
-    again = _again(procedure, profile, folders, seed)
-    click.echo(f"nothing was changed; what was recorded is kept, {again}", err=True)
+    again = go_on_command(procedure.name, profile, folders)
+    click.echo(f"nothing was changed; what was recorded is kept, go on with: {again}", err=True)
     return result.exit_code
 
 
@@ -267,13 +265,14 @@ def _tell_refused(
     profile: Profile,
     refusal: Exception,
     folders: Sequence[Path],
-    seed: int | None,
 ) -> int:
     click.echo(f"{procedure.name}: {refusal}", err=True)
     click.echo("nothing was changed: the calibration before stays in force", err=True)
     if folders:
-        again = _again(procedure, profile, folders, seed)
-        click.echo(f"what was recorded is kept; if something is missing, {again}", err=True)
+        again = go_on_command(procedure.name, profile, folders)
+        click.echo(
+            f"what was recorded is kept; if something is missing, go on with: {again}", err=True
+        )
     return 1
 
 

@@ -1,6 +1,7 @@
 """The last command that was refused: it left no run folder, and is what somebody asks about."""
 
 import contextlib
+import os
 import shlex
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -115,8 +116,8 @@ def keep_refusal(words: Sequence[str], code: int, message: str, began: float) ->
     }
     path = _path()
     others = _kept()
-    others.pop(str(runs.absolute()), None)
-    newest = dict([*others.items(), (str(runs.absolute()), kept)][-_MOST:])
+    others.pop(_key(runs), None)
+    newest = dict([*others.items(), (_key(runs), kept)][-_MOST:])
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_json(path, newest)
@@ -144,13 +145,18 @@ def last_refusal(runs: Path) -> tuple[RefusedRun | None, Path | None]:
         The folder cannot be read.
     """
     newest = next(iter(list_runs(runs)), None)
-    kept = _kept().get(str(runs.absolute()))
+    kept = _kept().get(_key(runs))
     if kept is None or kept["code"] not in REFUSED:
         return None, newest
     if newest is not None and read_manifest(newest).get("started", "") >= kept["when"]:
         return None, newest
     refusal = RefusedRun(tuple(kept["command"]), kept["code"], kept["message"], kept["when"])
     return refusal, newest
+
+
+def _key(runs: Path) -> str:
+    """Return the one name of a folder of runs, however a command line spells it."""
+    return os.path.realpath(runs)
 
 
 def _path() -> Path:

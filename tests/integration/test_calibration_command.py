@@ -1,6 +1,7 @@
 """`rig calibrate` from the command line to the file, and back into a profile."""
 
 import json
+import shlex
 import shutil
 
 import pytest
@@ -149,5 +150,28 @@ def test_what_was_broken_off_goes_on_with_its_seed(configs, capsys):
     stop = "simulation.faults=[{at: 5, device: regulators, fault: emergency_stop}]"
     words = ("response", "--yes", "--on", "sim", "--set", stop)
     assert calibrate(configs, *words, "--seed", "3") == 4
-    assert "rig calibrate" in (told := capsys.readouterr().err)
-    assert "response --seed 3 --from" in told
+    (run,) = (configs.parent / "runs").iterdir()
+    (line,) = [one for one in capsys.readouterr().err.splitlines() if "go on with: " in one]
+    command = shlex.split(line.partition("go on with: ")[2])
+    given = {"--on": "sim", "--seed": "3", "--set": stop, "--from": str(run)}
+    for option, value in given.items():
+        assert command[command.index(option) + 1] == value, command
+    assert command[:2] == ["rig", "calibrate"] and command[3] == "response"
+
+
+@pytest.mark.usefixtures("no_page")
+def test_an_interruption_after_the_recording_says_how_to_go_on(configs, capsys, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    words = ("response", "--yes", "--on", "sim", "--set", "loop.longest_motion=1000 s")
+    with monkeypatch.context() as patch:
+        patch.setattr("rig.calibration.session.conclude", interrupted)
+        assert calibrate(configs, *words) == 130
+    told = capsys.readouterr().err
+    assert not (configs / "calibration").exists()
+    command = shlex.split(told.partition("go on with: ")[2])
+    assert command[:2] == ["rig", "calibrate"]
+    assert invoke([*command[1:], "--yes"]) == 0
+    assert (configs / "calibration" / "cylinder" / "cylinder.yaml").exists()
+    assert len([*(configs.parent / "runs").iterdir()]) == 1, "nothing was recorded again"

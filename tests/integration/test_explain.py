@@ -369,6 +369,15 @@ def test_a_run_that_was_refused_is_what_is_explained(tmp_path, capsys):
     assert out.startswith("run: "), "who names a run gets it"
 
 
+def test_a_refusal_is_found_however_its_folder_was_spelled(tmp_path, capsys, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert invoke(["run", "cylinder-sine", "--set", "zz=1", "--out", "../here/runs"]) == 2
+    code, out, _ = said(capsys, "latest")
+    assert code == 0
+    assert out.startswith("refused: ")
+
+
 def test_a_run_that_ended_by_an_error_is_none_that_was_refused(tmp_path, capsys, monkeypatch):
     """Code of the user's own that raises ends the command as a wrong file does: exit code 2."""
     runs = tmp_path / "runs"
