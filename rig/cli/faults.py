@@ -47,7 +47,10 @@ def faults() -> None:
 @configs_option
 @json_option
 def list_kinds(rig: str, experiment: str | None, configs: Path | None, as_json: bool) -> int:
-    """Say what can break on RIG, where, how much, and why it may go unseen; and what cannot."""
+    """Say what can break on RIG, where and how much, and as what in a profile; and what cannot.
+
+    `rig explain FAULT` says why one may go unseen; --json has it for all.
+    """
     from rig.faults.catalogue import kind_named, kinds_for, refused_for
     from rig.faults.survey import experiments_of, survey
 
@@ -72,7 +75,10 @@ def list_kinds(rig: str, experiment: str | None, configs: Path | None, as_json: 
             (name, kind_named(name).what, needs) for name, needs in refused_for(subject).items()
         ]
         lacking = Table(f"refused on {rig}", ("fault", "what", "it would need"), refused)
-        print_tables([Table(f"faults of {rig}", header, rows), lacking])
+        what = [(name, said, where, size or "none") for name, said, where, size, _, _ in rows]
+        settings = [(name, setting) for name, *_, setting, _ in rows if setting]
+        as_settings = Table("in simulation.faults", ("fault", "setting"), settings)
+        print_tables([Table(f"faults of {rig}", header[:4], what), as_settings, lacking])
     return 0
 
 

@@ -1,6 +1,7 @@
 """A case written by hand: what breaks, where, when, for how long, and what breaks next."""
 
 import difflib
+import shlex
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -236,7 +237,13 @@ def _break(asked: Scenario | Next, subject: Subject, at: tuple[str, ...]) -> Bre
     """Return what breaks; `at`: the keys that lead to it."""
     kind, where, lasts = asked.fault, asked.where, asked.lasts
     if kind not in kinds_for(subject):
-        raise _Unfit((*at, "fault"), f"{subject.rig} has nothing that could suffer {kind}")
+        known = kind in KINDS
+        why = f"{subject.rig} has nothing that could suffer {kind}"
+        raise _Unfit(
+            (*at, "fault"),
+            why if known else f"no fault is called {shown(kind)}",
+            f"rig faults list {shlex.quote(subject.rig)} has what can break on it",
+        )
     row = kind_named(kind)
     if asked.magnitude is not None and row.magnitude is None:
         raise _Unfit((*at, "magnitude"), f"{kind} has no magnitude")

@@ -189,6 +189,17 @@ def test_every_fault_of_a_rig_is_listed():
     assert settings["leak"].endswith("value: …}"), "how much is no number of a channel"
 
 
+def test_a_list_of_faults_has_narrow_rows_and_no_empty_magnitude():
+    """Six columns of a listing did not fit on any terminal; settings have a table of their own."""
+    first, settings, _ = run("list", "cylinder").output.split("\n\n")
+    header, *rows = first.splitlines()[1:]
+    assert header.split() == ["fault", "what", "where", "magnitude"]
+    assert all(len(row) > header.index("magnitude") for row in rows)
+    assert max(map(len, rows)) < 160
+    (cut,) = [row for row in settings.splitlines() if row.startswith("wire_cut ")]
+    assert cut.endswith("value: 0}  # value: 0 agonist, 1 antagonist")
+
+
 def test_what_a_rig_cannot_suffer_is_listed_as_refused():
     _, refused = run("list", "cylinder").output.split("# refused on cylinder")
     names = {line.split()[0] for line in refused.splitlines()[2:] if line.strip()}

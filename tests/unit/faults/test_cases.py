@@ -212,6 +212,10 @@ def test_a_file_says_what_breaks(tmp_path):
     ("wrong", "right", "said"),
     [
         ("wire_cut", "wire_cuts", "case.yaml:4:8: no fault is called 'wire_cuts'"),
+        (
+            "wire_cut", "zorgblatt",
+            "case.yaml:4:8: no fault is called 'zorgblatt'\n.*\n.*\n *rig faults list cylinder has",
+        ),
         ("plant antagonist", "antagonist", "there is plant agonist, plant antagonist"),
         ("phase: release", "phase: relax", "case.yaml:6:15"),
         ("seed: 7", "seed: -7", "case.yaml:3:7"),
