@@ -7,6 +7,7 @@ from typing import NamedTuple
 from rig.exporting.arrays import matlab_names, write_mat, write_npz
 from rig.exporting.rows import write_csv, write_mcap, write_parquet
 from rig.hal import ConfigurationError
+from rig.hal.files import reason_unwritten
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogFile
 from rig.whole_file import whole_file
@@ -78,7 +79,9 @@ def export_run(path: str | Path, format: str, out: str | Path | None = None) -> 
             with whole_file(target) as temporary:
                 FORMATS[format](file, temporary)
     except OSError as error:
-        raise ExportError(f"cannot write {target}: {error.strerror or error}") from error
+        reason = reason_unwritten(target, error)
+        elsewhere = "; --out FILE writes elsewhere" if isinstance(error, PermissionError) else ""
+        raise ExportError(f"cannot write {target}: {reason}{elsewhere}") from error
     return Exported(target, folder.missing_end(complete=file.complete))
 
 

@@ -12,6 +12,7 @@ from typing import Protocol, TypeVar, cast
 
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
+from rig.hal.files import reason_unwritten
 from rig.json_file import plain, write_json
 from rig.plug_ins import plug_ins
 from rig.run_facts import (
@@ -324,8 +325,8 @@ class RunFolder:
         try:
             self._spare.helping(write)
         except OSError as error:
-            reason = error.strerror or error
-            raise RunFolderError(f"cannot write {self.path / name}: {reason}") from error
+            path = self.path / name
+            raise RunFolderError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
 
     def _mark_crashed(self) -> None:
         self._spare.give_back()

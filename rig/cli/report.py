@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,15 +38,20 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
     path = find_run(run, runs)
     from rig.hal import ConfigurationError
     from rig.report.regenerate import write_report
+    from rig.run_folder import RunFolderError
 
     try:
         compared = _compare(path, None if beside is None else find_run(beside, runs), rehearse)
         figures = () if compared is None else tuple(compared.files[:1])
         made = write_report(path, figures)
-    except OSError as error:
-        raise ConfigurationError(
-            f"cannot write the report of {path}: {error.strerror or error}"
-        ) from error
+    except (OSError, RunFolderError) as error:
+        why = str(error)
+        if isinstance(error, OSError):
+            why = f"cannot write the report of {path}: {error.strerror or error}"
+        if isinstance(error.__cause__ or error, PermissionError):  # it lies with its run
+            name = shlex.quote(path.name)
+            why += f"; or report a copy: cp -r {shlex.quote(str(path))} . && rig report ./{name}"
+        raise ConfigurationError(why) from error
     for sentence in (*made.failures, *made.notes):
         click.echo(visible(sentence), err=True)
     residuals = [] if compared is None else compared.residuals

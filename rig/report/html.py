@@ -10,6 +10,7 @@ from pathlib import Path
 from rig.config import format_against
 from rig.experiment.metrics import Evaluation, known_measures
 from rig.explaining.ended_run import explain_run
+from rig.hal.files import reason_unwritten
 from rig.report import markup
 from rig.report.beside_figure import BESIDE, CAPTION
 from rig.report.data import mechanism_of, origin_of
@@ -93,7 +94,8 @@ def write_html(
     try:
         write_whole(target, page)
     except OSError as error:
-        raise RunFolderError(f"cannot write {target}: {error.strerror or error}") from error
+        reason = reason_unwritten(target, error)
+        raise RunFolderError(f"cannot write {target}: {reason}") from error
     return target
 
 

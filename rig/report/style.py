@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rig.hal.files import reason_unwritten
 from rig.report.figure_data import table_of
 from rig.run_folder import RunFolderError
 from rig.whole_file import refuse_link, whole_file
@@ -149,7 +150,7 @@ def save(
                 temporary.write_text(told, encoding="utf-8")
     except OSError as error:
         raise RunFolderError(
-            f"cannot write figures to {folder}: {error.strerror or error}"
+            f"cannot write figures to {folder}: {reason_unwritten(folder, error)}"
         ) from error
     return paths
 

@@ -99,3 +99,27 @@ def test_a_run_that_may_not_be_read_is_one_line_of_the_list(tmp_path, closed):
     assert (
         f"Permission denied; give it: sudo chmod a+rX {runs / '2026-11-27T040533Z-a-sim'}" in told
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["report"], ("/metrics.json: ", "; or report a copy: cp -r ")),
+        (["export", "--format", "csv"], ("/log.csv: ", "; --out FILE writes elsewhere")),
+    ],
+)
+def test_a_run_that_may_only_be_read_says_how_it_is_written_elsewhere(
+    tmp_path, closed, words, what
+):
+    run = ("run", "cylinder-step", "--on", "sim", "--no-report", "--set", "metrics={}")
+    assert rig(tmp_path, *run)[0] == 0
+    (path,) = (tmp_path / "runs").iterdir()
+    closed(path, 0o555)
+    for file in path.iterdir():
+        closed(file, file.stat().st_mode & 0o555)
+    code, shown, told = rig(tmp_path, *words, "latest")
+    assert (code, shown) == (2, "")
+    file, elsewhere = what
+    denied = f"runs/{path.name}{file}Permission denied; take it: sudo chown $USER {path}"
+    assert told.startswith(f"error: cannot write {denied}{elsewhere}"), told
+    assert told.count("\n") == 1
