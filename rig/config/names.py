@@ -1,5 +1,6 @@
 """Find configuration folders, rigs and experiments by name."""
 
+import os
 import re
 import shlex
 from collections.abc import Sequence
@@ -103,7 +104,15 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
         There is none of that name; with the nearest one.
     """
     if isinstance(source, Path) or is_path(source):
-        return Path(source)
+        path = Path(source)
+        if source == path.name and not os.path.lexists(path):
+            known = list_files(folder, search).get(path.stem)
+            if known is not None:
+                raise ConfigurationError(
+                    f"there is no file {source} here; did you mean the {_SINGULAR[folder]} "
+                    f"{path.stem}, {known}?"
+                )
+        return path
     files = list_files(folder, search)
     if source in files:
         return files[source]

@@ -70,6 +70,18 @@ def test_an_experiment_is_told_how_to_name_a_rig_beside_it(tmp_path, monkeypatch
     assert invoke(["check", str(lab / "mine.yaml")]) == 0
 
 
+@pytest.mark.parametrize("words", [["calibrate"], ["status"], ["check"], ["faults", "list"]])
+def test_a_rig_is_offered_for_the_name_of_a_file_that_is_not_here(
+    words, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "configs" / "rigs").mkdir(parents=True)
+    (tmp_path / "configs" / "rigs" / "bench.yaml").write_text("extends: cylinder\n")
+    assert invoke([*words, "bench.yaml"]) == 2
+    err = capsys.readouterr().err
+    assert "no file bench.yaml here; did you mean the rig bench, configs/rigs/bench.yaml?" in err
+
+
 @pytest.mark.parametrize(
     "words",
     [
