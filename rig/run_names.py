@@ -9,7 +9,7 @@ from rig.hal.files import is_folder, reason_unread
 RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
 LATEST = "latest"
-"""Stands for the newest run."""
+"""Stands for the newest run, alone or behind a folder of runs: a word, and no file."""
 MANIFEST = "manifest.json"
 """What makes a folder a run folder; here so that listing needs nothing that is slow."""
 
@@ -48,13 +48,22 @@ def _age_key(path: Path) -> tuple[str, float]:
     return path.name.partition("Z-")[0], born
 
 
+def folder_of_latest(source: str, runs: Path = RUNS) -> Path | None:
+    """Return the folder of whose runs a text means the newest; None if it means another."""
+    if source == LATEST:
+        return runs
+    path = Path(source)
+    is_word = path.name == LATEST and not is_folder(path) and is_folder(path.parent)
+    return path.parent if is_word else None
+
+
 def find_run(source: str, runs: Path = RUNS) -> Path:
     """Return the folder of a run.
 
     Parameters
     ----------
     source : str
-        A path, the name of a folder in `runs`, or ``"latest"``.
+        A path, the name of a folder in `runs`, ``"latest"``, or that of a folder: ``runs/latest``.
     runs : Path
         Where run folders live.
 
@@ -63,7 +72,9 @@ def find_run(source: str, runs: Path = RUNS) -> Path:
     ConfigurationError
         There is none; with the nearest one.
     """
-    if source == LATEST:
+    latest = folder_of_latest(source, runs)
+    if latest is not None:
+        runs = latest
         found = list_runs(runs)
         if not found:
             raise ConfigurationError(f"there is no run in {runs} yet; `rig run` makes one")

@@ -19,7 +19,7 @@ from rig.cli.names import (
     runs_option,
 )
 from rig.cli.tables import print_data, print_json
-from rig.run_names import LATEST, find_run
+from rig.run_names import LATEST, find_run, folder_of_latest
 
 if TYPE_CHECKING:
     from rig.config import Profile
@@ -81,7 +81,8 @@ def _explain(
     from rig.hal import ConfigurationError
     from rig.hal.files import is_folder
 
-    if word == LATEST:
+    if (latest := folder_of_latest(word, runs)) is not None:
+        word, runs = LATEST, latest
         from rig.explaining.refused_run import last_refusal
 
         refusal, newest = last_refusal(runs)
