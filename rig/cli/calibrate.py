@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rig.cli.calibrate_again import go_on_command
+from rig.cli.calibration_found import as_data, show_found
+from rig.cli.given_options import given_options
 from rig.cli.loops import known_loops, loops_of
 from rig.cli.names import (
     complete_rig,
@@ -119,13 +121,15 @@ def calibrate(rig: str, **options: Any) -> int:
         return 0
     chosen = pick(profile, tuple(known) if options["every"] else options["procedures"])
     done: list[dict[str, object]] = []
+    loops: dict[str, ClosedLoop] = {}
     code = 0
     for procedure in chosen:
         # Each builds on what the one before has found.
         profile = load_profile(rig, REGISTRY, options["overrides"], search)
-        code = _calibrate(procedure, profile, search, options, done)
+        code = _calibrate(procedure, profile, search, options, done, loops)
         if code:
             break
+    _tell_loops(profile, loops, quiet=as_json)
     if as_json:
         print_json(done)
     if code:
@@ -155,8 +159,13 @@ def _calibrate(
     search: Sequence[Path],
     options: dict[str, Any],
     done: list[dict[str, object]],
+    known: dict[str, ClosedLoop],
 ) -> int:
-    """Calibrate by one procedure, and append what was found to what is `done`, as plain data."""
+    """Calibrate by one procedure.
+
+    What was found is appended to what is `done`, as plain data; the loops as they are now take the
+    place of those that are `known`.
+    """
     from rig.assembly import backend_of
     from rig.calibration.preview import preview
     from rig.calibration.procedure import FilesOffered
@@ -217,18 +226,23 @@ def _calibrate(
     except KeyboardInterrupt:
         if not folders:
             raise
-        again = go_on_command(procedure.name, profile, folders)
+        again = _again(procedure, profile, folders)
         click.echo(f"interrupted; what was recorded is kept, go on with: {again}", err=True)
         return 130
     loops = _loops(profile, search, options, calibrated)
-    done.append(_as_data(procedure, calibrated, loops))
-    _show(procedure, calibrated, quiet=options["as_json"])
+    done.append(as_data(procedure, calibrated, loops))
+    show_found(procedure, calibrated, quiet=options["as_json"])
+    known.update(loops)
+    return 0
+
+
+def _tell_loops(profile: Profile, loops: dict[str, ClosedLoop], *, quiet: bool) -> None:
+    """Show once, after all procedures, how far the loops are from instability now."""
     tables, sentences = loops_of(profile, loops)
-    if not options["as_json"]:
+    if not quiet:
         print_tables(tables)
     for sentence in sentences:
         click.echo(sentence, err=True)
-    return 0
 
 
 def _record(
@@ -248,6 +262,17 @@ def _record(
         )  # fmt: skip
 
 
+_KEPT = ("on", "seed", "overrides", "out", "configs", "readings", "uncommissioned", "replace")
+"""Options with which a procedure goes on as it began; `--yes` is asked anew."""
+
+
+def _again(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -> str:
+    """Return the command that goes on from recorded runs, as a shell takes it."""
+    earlier = [word for folder in folders for word in ("--from", str(folder))]
+    words = shlex.join([procedure.name, *given_options(_KEPT), *earlier])
+    return f"rig calibrate {profile.argument} {words}"
+
+
 def _tell_ended(
     procedure: AnyProcedure,
     profile: Profile,
@@ -255,7 +280,7 @@ def _tell_ended(
     folders: Sequence[Path],
 ) -> int:
     click.echo(f"{result.status}: {result.message}", err=True)
-    again = go_on_command(procedure.name, profile, folders)
+    again = _again(procedure, profile, folders)
     click.echo(f"nothing was changed; what was recorded is kept, go on with: {again}", err=True)
     return result.exit_code
 
@@ -269,7 +294,7 @@ def _tell_refused(
     click.echo(f"{procedure.name}: {refusal}", err=True)
     click.echo("nothing was changed: the calibration before stays in force", err=True)
     if folders:
-        again = go_on_command(procedure.name, profile, folders)
+        again = _again(procedure, profile, folders)
         click.echo(
             f"what was recorded is kept; if something is missing, go on with: {again}", err=True
         )
@@ -333,44 +358,6 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
             "there is no terminal to ask: say --yes, or look first with --dry-run"
         )
     return click.confirm("Go?", default=False, err=True)
-
-
-def _as_data(
-    procedure: AnyProcedure, done: Calibrated, loops: dict[str, ClosedLoop]
-) -> dict[str, object]:
-    """Return what was found as plain data, SI."""
-    return {
-        "procedure": procedure.name,
-        "title": procedure.title,
-        "found": [
-            {
-                "of": finding.target,
-                "estimates": [estimate._asdict() for estimate in finding.estimates],
-                "not_found": list(finding.notes),
-            }
-            for finding in done.findings
-        ],
-        "files": list(done.files),
-        "figures": list(done.figures),
-        "loops": {name: loop._asdict() for name, loop in loops.items()},
-    }
-
-
-def _show(procedure: AnyProcedure, done: Calibrated, *, quiet: bool) -> None:
-    from rig.config import format_to
-
-    rows = []
-    for finding in done.findings:
-        for e in finding.estimates:
-            value, low, high = format_to(e.value, e.std, e.unit, (e.low, e.high))
-            (std,) = format_to(e.std, e.std, e.unit)
-            rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
-    if not quiet:
-        print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
-    for note in dict.fromkeys(note for finding in done.findings for note in finding.notes):
-        click.echo(f"not found: {note}", err=True)
-    for path in (*done.files, *done.figures):
-        click.echo(str(path), err=True)
 
 
 def _loops(

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 
 _RUN: Final = "rig run EXPERIMENT --on hardware"
-_LAW: Final = "cascade"
-"""Which law `rig tune` takes when none is named."""
 
 
 class Milestone(NamedTuple):
@@ -86,11 +84,16 @@ def status(
     print_tables([Table(title, ("what", "state"), rows)])
     for sentence in sentences_of_bases(profile):
         click.echo(f"note: {sentence}", err=True)
-    if following:
-        click.echo(f"next: {_with_reason(following, steps)}", err=True)
+    tell_both(profile, search, steps)
+    return 0
+
+
+def tell_both(profile: Profile, search: Sequence[Path], steps: Sequence[Milestone]) -> None:
+    """Say which command comes next, and which one does in simulation if that is another."""
+    following, simulated = _following(steps), _in_simulation(profile, search, steps)
+    click.echo(f"next: {_with_reason(following, steps)}", err=True)
     if simulated is not None and simulated != following:
         click.echo(f"next in simulation: {_with_reason(simulated, steps)}", err=True)
-    return 0
 
 
 def way(profile: Profile, search: Sequence[Path], out: Path | None = None) -> list[Milestone]:
@@ -301,8 +304,7 @@ def _tuned(profile: Profile, out: Path | None) -> list[Milestone]:
     tried = None if out is None else last_attempt(out, profile.name)
     in_vain = ""
     if tried is not None and not tried.is_put and tried.objections:
-        more = f"--generations {2 * tried.generations}"
-        remedy += f" --controller {tried.law} {more}" if tried.law != _LAW else f" {more}"
+        remedy = tried.for_more(profile.argument)
         in_vain = (
             f"; {tried.date[:10]} {tried.generations} generations for {tried.law} found no better "
             f"ones: {tried.objections[0]}"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rig.cli.given_options import given_options
 from rig.cli.names import (
     complete_config,
     complete_rig,
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from rig.tuning.search import FoundGains
     from rig.tuning.verdict import EnsembleVerdict
     from rig.tuning.workbench import Request, Workbench
+
+
+_KEPT = ("controller", "experiment", "seed", "workers", "out", "overrides", "configs")
+"""Options with which more generations go on from what was tried."""
 
 
 @click.command()
@@ -105,7 +110,9 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     traded = trades(now, before, bench.unit)
     for sentence in traded:
         click.echo(sentence, err=True)
-    keep_attempt(folder, controller, options["generations"], against, is_put=is_put)
+    attempt = keep_attempt(
+        folder, controller, options["generations"], against, given_options(_KEPT), is_put=is_put
+    )
     file = _apply(bench, request, now, places, options) if is_put else None
     if options["as_json"]:
         print_json({
@@ -116,9 +123,8 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
         return 0
     if refused:
         click.echo(
-            "nothing was changed; the same command with more than --generations "
-            f"{options['generations']} goes on from here, and --replace puts them in force all the "
-            "same",
+            f"nothing was changed; more generations: {attempt.for_more(bench.profile.argument)}; "
+            "--replace puts these in force all the same",
             err=True,
         )
         return 1
@@ -154,9 +160,7 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
     from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK
 
-    bounds = ", ".join(
-        f"{name} {low:g} to {high:g}" for name, (low, high) in bench.ensemble.bounds.items()
-    )
+    bounds = ", ".join(f"{name} {text}" for name, text in bench.ensemble.ranges().items())
     click.echo(
         f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look beside "
         f"those in force and anywhere, then {generations} that go on from the best: "
@@ -216,7 +220,7 @@ def _apply(
 ) -> Path:  # fmt: skip
     """Put gains in force, and return their file."""
     from rig.assembly import REGISTRY
-    from rig.cli.status import tell_next
+    from rig.cli.status import tell_both, way
     from rig.config import load_profile
     from rig.tuning.overlay import put_in_force
 
@@ -244,5 +248,6 @@ def _apply(
             "takes them back if it is nearer to instability than before",
             err=True,
         )
-    tell_next(load_profile(request.rig, REGISTRY, (), search), search)
+    profile = load_profile(request.rig, REGISTRY, (), search)
+    tell_both(profile, search, way(profile, search, options["out"]))
     return path

@@ -1,5 +1,7 @@
 """What a tune came to, kept among the runs: gains that were not put in force are known, too."""
 
+import contextlib
+import shlex
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,6 +21,7 @@ class _Kept(TypedDict):
     date: str
     generations: int
     objections: list[str]
+    options: list[str]
     is_put: bool
 
 
@@ -35,6 +38,8 @@ class Attempt(NamedTuple):
         As ``--generations`` said.
     objections : tuple of str
         What spoke against the gains that were found.
+    options : tuple of str
+        The words of its command line that say what is tuned, and where what is tried is kept.
     is_put : bool
         Whether they were put in force.
     """
@@ -43,7 +48,19 @@ class Attempt(NamedTuple):
     date: str
     generations: int
     objections: tuple[str, ...]
+    options: tuple[str, ...]
     is_put: bool
+
+    def for_more(self, rig: str) -> str:
+        """Return the command that goes on with twice as many generations, as a shell takes it.
+
+        Parameters
+        ----------
+        rig : str
+            What names the rig on a command line.
+        """
+        words = shlex.join([*self.options, "--generations", str(2 * self.generations)])
+        return f"rig tune {rig} {words}"
 
 
 def folder_prefix(rig: str, law: str) -> str:
@@ -52,28 +69,28 @@ def folder_prefix(rig: str, law: str) -> str:
 
 
 def keep_attempt(
-    folder: Path, law: str, generations: int, objections: Sequence[str], *, is_put: bool
-) -> None:
+    folder: Path,
+    law: str,
+    generations: int,
+    objections: Sequence[str],
+    options: Sequence[str] = (),
+    *,
+    is_put: bool,
+) -> Attempt:
     """Keep what a tune came to in its folder; nobody hears of it where that cannot be written.
 
     Parameters
     ----------
     folder : Path
         Of what it has tried.
-    law, generations, objections, is_put
+    law, generations, objections, options, is_put
         See `Attempt`.
     """
-    kept: _Kept = {
-        "law": law,
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "generations": generations,
-        "objections": list(objections),
-        "is_put": is_put,
-    }
-    try:
-        write_json(folder / _FILE, kept)
-    except OSError:  # a convenience of `rig status`
-        return
+    date = datetime.now(UTC).isoformat(timespec="seconds")
+    made = Attempt(law, date, generations, tuple(objections), tuple(options), is_put)
+    with contextlib.suppress(OSError):  # a convenience of `rig status`
+        write_json(folder / _FILE, made._asdict())
+    return made
 
 
 def last_attempt(out: Path, rig: str) -> Attempt | None:
@@ -96,7 +113,7 @@ def last_attempt(out: Path, rig: str) -> Attempt | None:
             found.append(
                 Attempt(
                     kept["law"], kept["date"], kept["generations"], tuple(kept["objections"]),
-                    kept["is_put"],
+                    tuple(kept["options"]), kept["is_put"],
                 )
             )  # fmt: skip
     return max(found, key=lambda attempt: attempt.date, default=None)

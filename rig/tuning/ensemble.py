@@ -60,6 +60,13 @@ class Ensemble:
         }
         """Of each unknown, as its `Unknown.unit` says."""
 
+    def ranges(self) -> dict[str, str]:
+        """Return the bounds of each unknown in words: factors, or quantities with their unit."""
+        return {
+            unknown.name: " to ".join(_amount(unknown, end) for end in self.bounds[unknown.name])
+            for unknown in self._unknowns
+        }
+
     @property
     def nominal(self) -> Member:
         """The plant that is as told."""
@@ -110,13 +117,11 @@ class Ensemble:
                 one = numbers[name]
                 numbers[name] = max(one + value, 0.0) if unknown.unit else one * value
             if value != (0.0 if unknown.unit else 1.0):
-                words.append(_said(unknown, value))
+                words.append(f"{unknown.name} {_amount(unknown, value)}")
         return Member(", ".join(words), numbers, seed)
 
 
-def _said(unknown: Unknown, value: float) -> str:
+def _amount(unknown: Unknown, value: float) -> str:
     if unknown.unit == "s":
-        return f"{unknown.name} {value * 1e3:+.3g} ms"
-    return f"{unknown.name} {value:+.3g} {unknown.unit}" if unknown.unit else (
-        f"{unknown.name} x {value:.3g}"
-    )  # fmt: skip
+        return f"{value * 1e3:+.3g} ms"
+    return f"{value:+.3g} {unknown.unit}" if unknown.unit else f"x {value:.3g}"

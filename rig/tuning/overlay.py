@@ -77,10 +77,7 @@ def _origin(bench: Workbench) -> str | None:
 
 
 def _figures(bench: Workbench, verdict: EnsembleVerdict) -> dict[str, str]:
-    bounds = {
-        f"ensemble, {name}": f"{low:g} to {high:g}"
-        for name, (low, high) in bench.ensemble.bounds.items()
-    }
+    bounds = {f"ensemble, {name}": text for name, text in bench.ensemble.ranges().items()}
     errors = {}
     for stretch, error in verdict.nominal.errors.items():
         worst, member = verdict.worst(stretch)

@@ -160,6 +160,14 @@ def test_what_was_broken_off_goes_on_with_its_seed(configs, capsys):
 
 
 @pytest.mark.usefixtures("no_page")
+def test_the_loops_are_shown_once_after_all_procedures(configs, capsys):
+    assert calibrate(configs, "wires", "response", "--yes", "--on", "sim") == 0
+    shown = capsys.readouterr().out
+    assert shown.count("# loops of cylinder, linear") == 1
+    assert shown.index("# loops of") > shown.index("dead_time"), "after what the last has found"
+
+
+@pytest.mark.usefixtures("no_page")
 def test_an_interruption_after_the_recording_says_how_to_go_on(configs, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt

@@ -149,8 +149,10 @@ def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
 
     folder = configs.parent / "tune-cylinder-cascade-01234567"
     folder.mkdir()
-    keep_attempt(folder, "cascade", 3, ["4 of 27 plants are lost"], is_put=False)
-    assert following() == "rig tune cylinder --generations 6"
+    words = ["--for", "my step", "--seed", "2"]
+    kept = keep_attempt(folder, "cascade", 3, ["4 of 27 plants are lost"], words, is_put=False)
+    assert following() == "rig tune cylinder --for 'my step' --seed 2 --generations 6"
+    assert following() == kept.for_more("cylinder"), "which `rig tune` prints, too"
     state = stages(configs)[0]["tuned"]
     assert "found no better ones: 4 of 27 plants are lost" in state
     assert f"{TODAY:%Y-%m-%d} 3 generations for cascade" in state

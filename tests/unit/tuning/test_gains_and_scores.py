@@ -200,3 +200,15 @@ def test_an_error_lasts_as_long_as_a_plain_count_says(number):
 def test_a_setpoint_that_never_moves_never_turns_round():
     assert reversals_of(np.full(100, 1.2e5)) == 0
     assert reversals_of(np.linspace(0, 3e5, 100)) == 0
+
+
+def test_the_ranges_of_an_ensemble_carry_their_units():
+    unknowns = (
+        Unknown("friction", ("coulomb",), "", (0.6, 1.6), (0.9, 1.1), "friction"),
+        Unknown("dead time", ("dead_time",), "s", (-3e-3, 3e-3), (-1e-3, 1e-3), "response"),
+        Unknown("load", ("mass",), "kg", (0.0, 2.5), (0.0, 0.1), "mass"),
+    )
+    ensemble = Ensemble({"coulomb": 1, "dead_time": 0, "mass": 1}, unknowns, {"response"}, 0)
+    assert ensemble.ranges() == {
+        "friction": "x 0.6 to x 1.6", "dead time": "-1 ms to +1 ms", "load": "+0 kg to +2.5 kg",
+    }  # fmt: skip
