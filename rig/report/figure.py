@@ -1,6 +1,6 @@
 """The kinds of figure, and what they share."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -31,12 +31,13 @@ class FigureKind(NamedTuple):
     caption : str
         For the report.
     table : callable, optional
-        Takes the run; returns what the figure is drawn from, as CSV. Default: its lines.
+        Takes the run; returns what the figure is drawn from, as the pieces of a CSV, one after
+        the other. Default: its lines.
     """
 
     draw: "Callable[[RunData], Figure | None]"
     caption: str
-    table: "Callable[[RunData], str] | None" = None
+    table: "Callable[[RunData], Iterable[str]] | None" = None
 
 
 def panels(figure: "Figure", rows: int, columns: int, **style: Any) -> "list[Axes]":

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,16 +22,30 @@ _ROW = 9.0
 _SAME = 1e-9
 """Share of its size by which an applied command differs by rounding alone."""
 _COMMAND, _APPLIED = "command.", "applied."
+_PIECE = 10_000
+"""Cycles that are looked at together: what they take of memory does not grow with the run."""
 
 
-class _Cut(NamedTuple):
-    """A channel whose command was cut: the cycles, and what was wanted and applied in each."""
+class _Pair(NamedTuple):
+    """A channel with what was wanted and applied in each cycle, and what they differ by if cut."""
 
     channel: str
     unit: str
-    cycles: "NDArray[np.int64]"
     wanted: "NDArray[np.float64]"
     applied: "NDArray[np.float64]"
+    least: float
+
+    def cut_in(self, begin: int) -> "NDArray[np.int64]":
+        """Return the cycles of a piece in which the command was cut."""
+        part = slice(begin, begin + _PIECE)
+        return begin + np.flatnonzero(np.abs(self.wanted[part] - self.applied[part]) > self.least)
+
+
+class _Cut(NamedTuple):
+    """A channel whose command was cut, and in which cycles."""
+
+    channel: str
+    cycles: "NDArray[np.int64]"
 
 
 def draw_limits(run: RunData) -> "Figure | None":
@@ -64,8 +78,10 @@ def draw_limits(run: RunData) -> "Figure | None":
     return figure
 
 
-def table_of_limits(run: RunData) -> str:
-    """Return every cycle in which a command was cut: time, limit, channel, value and bound, SI.
+def table_of_limits(run: RunData) -> Iterator[str]:
+    """Yield every cycle in which a command was cut: time, limit, channel, value and bound, SI.
+
+    The pieces together are a CSV, cycle by cycle as in the log.
 
     Notes
     -----
@@ -73,16 +89,20 @@ def table_of_limits(run: RunData) -> str:
     run, all are named.
     """
     limit = " or ".join(_told(run)[0])
+    pairs, times = list(_pairs(run)), run.t
+    yield _lines([("time (s)", "limit", "channel", "value", "bound", "unit")])
+    for begin in range(0, len(times), _PIECE):
+        cut = [(k, number) for number, pair in enumerate(pairs) for k in pair.cut_in(begin)]
+        yield _lines(
+            (f"{times[k]:.9g}", limit, pair.channel, f"{pair.wanted[k]:.9g}",
+             f"{pair.applied[k]:.9g}", pair.unit)
+            for k, pair in ((k, pairs[number]) for k, number in sorted(cut))
+        )  # fmt: skip
+
+
+def _lines(rows: Iterable[Sequence[str]]) -> str:
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("time (s)", "limit", "channel", "value", "bound", "unit"))
-    rows = (
-        (run.t[k], limit, cut.channel, wanted, applied, cut.unit)
-        for cut in _cuts(run)
-        for k, wanted, applied in zip(cut.cycles, cut.wanted, cut.applied, strict=True)
-    )
-    for t, *names, wanted, applied, unit in sorted(rows, key=lambda row: row[0]):
-        writer.writerow((f"{t:.9g}", *names, f"{wanted:.9g}", f"{applied:.9g}", unit))
+    csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()
 
 
@@ -103,14 +123,22 @@ def _told(run: RunData) -> tuple[dict[str, list[float]], dict[str, int]]:
 
 def _cuts(run: RunData) -> Iterator[_Cut]:
     """Yield the channels whose applied command is not the one that the law gave."""
+    for pair in _pairs(run):
+        found = [pair.cut_in(begin) for begin in range(0, len(pair.wanted), _PIECE)]
+        cycles = np.concatenate(found) if found else np.zeros(0, np.int64)
+        if len(cycles):
+            yield _Cut(pair.channel, cycles)
+
+
+def _pairs(run: RunData) -> Iterator[_Pair]:
+    """Yield the channels of which a log has both what was wanted and what was applied."""
     for column in run.log.columns:
         channel = column.name.removeprefix(_COMMAND)
         if channel == column.name or _APPLIED + channel not in run.log:
             continue
         wanted, applied = run.log.column(column.name), run.log.column(_APPLIED + channel)
-        cycles = np.flatnonzero(np.abs(wanted - applied) > _SAME * np.abs(wanted).max(initial=0.0))
-        if len(cycles):
-            yield _Cut(channel, column.unit, cycles, wanted[cycles], applied[cycles])
+        size = max(wanted.max(initial=0.0), -wanted.min(initial=0.0))
+        yield _Pair(channel, column.unit, wanted, applied, _SAME * float(size))
 
 
 def _stretches(cycles: "NDArray[np.int64]", count: int) -> Iterator[tuple[int, int]]:

@@ -1,7 +1,7 @@
 """The style of figures: sized for a two-column paper, readable in print and by the colour-blind."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
@@ -105,7 +105,7 @@ def save(
     origin: str,
     *,
     has_table: bool = False,
-    content: str | None = None,
+    content: Iterable[str] | None = None,
 ) -> list[Path]:
     """Write a figure as PNG, SVG and PDF, and what it shows as CSV; return the paths.
 
@@ -121,8 +121,8 @@ def save(
         Where its data come from, written at its edge: a figure is passed on without its folder.
     has_table : bool
         The folder has a table of that name already, which the figure is drawn from.
-    content : str, optional
-        Of the table; default: the figure's lines.
+    content : iterable of str, optional
+        Of the table, in pieces; default: the figure's lines.
 
     Raises
     ------
@@ -146,8 +146,9 @@ def save(
                     figure.savefig(temporary, metadata={date: None})
         if not has_table:
             with whole_file(table) as temporary:
-                told = table_of(figure) if content is None else content
-                temporary.write_text(told, encoding="utf-8")
+                told = (table_of(figure),) if content is None else content
+                with temporary.open("w", encoding="utf-8") as stream:
+                    stream.writelines(told)
     except OSError as error:
         raise RunFolderError(
             f"cannot write figures to {folder}: {reason_unwritten(folder, error)}"

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -56,13 +57,40 @@ def run(tmp_path: Path) -> SimpleNamespace:
 def test_every_cut_cycle_is_in_the_table(run: SimpleNamespace) -> None:
     tell(run.folder.path, (4.0, "pressure range is limited", 2))
     tell(run.folder.path, (5.0, "pressure range was limited in 3 cycles of the run", 3))
-    rows = list(csv.DictReader(io.StringIO(table_of_limits(run))))
+    rows = list(csv.DictReader(io.StringIO("".join(table_of_limits(run)))))
     assert [float(row["time (s)"]) for row in rows] == [T[2], T[3], T[7]]
     assert {row["channel"] for row in rows} == {"agonist"}
     assert {row["limit"] for row in rows} == {"pressure range"}
     assert {(float(row["bound"]), row["unit"]) for row in rows} == {(0.9e5, "Pa")}
     wanted = run.log["command.agonist"]
     assert [float(row["value"]) for row in rows] == pytest.approx(wanted[[2, 3, 7]])
+
+
+def test_a_long_run_takes_no_more_memory_for_its_table(run: SimpleNamespace) -> None:
+    """Every command of 400,000 cycles is cut: the whole table would be 40 MB and more."""
+    count = 400_000
+    run.t = np.arange(count) * 1e-3
+    wanted = np.full(count, 1e5)
+    run.log = FakeLog({"command.agonist": wanted, "applied.agonist": wanted - 1.0})
+    tracemalloc.start()
+    try:
+        lines = sum(piece.count("\n") for piece in table_of_limits(run))
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert lines == 1 + count
+    assert most < 8e6
+
+
+def test_the_pieces_of_a_table_leave_out_nothing_at_their_ends(
+    run: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run.log["applied.antagonist"] = run.log["applied.agonist"]
+    whole = "".join(table_of_limits(run))
+    assert [row.split(",")[2] for row in whole.splitlines()[1:3]] == ["agonist", "antagonist"]
+    for size in (1, 3, 4, 10):
+        monkeypatch.setattr("rig.report.limits_figure._PIECE", size)
+        assert "".join(table_of_limits(run)) == whole
 
 
 def test_stretches_are_bars_beside_when_each_limit_began(run: SimpleNamespace) -> None:
