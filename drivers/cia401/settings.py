@@ -46,6 +46,8 @@ class Cia401Settings(ModuleSettings):
         When a regulator that does not follow is a fault.
     """
 
+    scaling = tuple(f"channels.*.*.{key}" for key in ("raw", "voltage", "current", "pressure"))
+
     channels: Annotated[dict[str, RegulatorChannel], MinLen(1)]
     vented: Annotated[float, Unit("Pa"), Interval(ge=0, le=50e3)] = 0.0
     following: FollowingSettings = field(default_factory=FollowingSettings)

@@ -27,6 +27,10 @@ class Cia401ValvesSettings(ModuleSettings):
         The valves by name.
     """
 
+    scaling = tuple(
+        f"channels.*.*.{key}" for key in ("raw", "voltage", "current", "opening", "pressure")
+    )
+
     channels: Annotated[dict[str, ValveChannel], MinLen(1)]
 
     def __post_init__(self) -> None:

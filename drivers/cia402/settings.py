@@ -130,6 +130,8 @@ class Cia402Settings(NodeSettings):
         The emergency stop, if one of the drives reads its contact.
     """
 
+    scaling = ("joints.*.gear", "joints.*.reversed", "joints.*.offset", "joints.*.counts_per_turn")
+
     joints: Annotated[dict[str, DriveSettings], MinLen(1)]
     mode: Mode = "csp"
     feedback: tuple[Feedback, ...] = ("velocity", "torque", "error_code")

@@ -91,6 +91,8 @@ class Cia406Settings(NodeSettings):
         What 0x6509 must hold, counts: somebody who set a preset has moved the zero.
     """
 
+    scaling = ("step", "reversed", "scale", "offset")
+
     node: Annotated[int, Interval(ge=1, le=127)]
     stroke: Annotated[float, Unit("m"), Gt(0)]
     position: PositionObject = field(default_factory=PositionObject)

@@ -79,6 +79,8 @@ class Cia410Settings(NodeSettings):
     degrees a second at 0x6401:07 and :08, which the defaults are.
     """
 
+    scaling = ("roll*", "pitch*", "step", "rate_step")
+
     node: Annotated[int, Interval(ge=1, le=127)]
     body: str = "waist"
     roll: AxisObject = field(default_factory=lambda: AxisObject(0x6010))

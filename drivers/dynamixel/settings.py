@@ -186,6 +186,11 @@ class DynamixelSettings(DriverSettings):
         A joint farther off its setpoint than this (rad) for longer than this (s) is a fault.
     """
 
+    scaling = (
+        "joints.*.gear", "joints.*.reversed", "joints.*.offset",
+        "joints.*.model", "joints.*.homing_offset", "model",
+    )  # fmt: skip
+
     joints: Annotated[dict[str, DynamixelAxisSettings], MinLen(1)]
     model: ModelName = "xm430-w350"
     mode: Mode = "position"

@@ -87,6 +87,8 @@ class LoadCellSettings(NodeSettings):
         of its amplifier moves it. None: it is not looked at.
     """
 
+    scaling = ("cells",)
+
     node: Annotated[int, Interval(ge=1, le=127)]
     cells: Annotated[dict[str, LoadCell], MinLen(1)]
     overload_after: Annotated[int, Interval(ge=1, le=1000)] = 10

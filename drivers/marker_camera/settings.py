@@ -148,6 +148,12 @@ class MarkerCameraSettings(DriverSettings):
         How long the first frame and the first sight of the marker may take, s.
     """
 
+    scaling = (
+        "width", "height", "exposure", "latency", "intrinsics", "rotation_base_from_camera",
+        "position_camera_in_base", "marker.kind", "marker.sphere_radius", "marker.ids",
+        "marker.side",
+    )  # fmt: skip
+
     source: SourceSettings = field(default_factory=SourceSettings)
     width: Annotated[int, Interval(ge=64, le=8192)] = 1280
     height: Annotated[int, Interval(ge=64, le=8192)] = 1024

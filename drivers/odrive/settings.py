@@ -132,6 +132,8 @@ class OdriveSettings(CanDeviceSettings):
         Readings or heartbeats missed in a row that are a fault.
     """
 
+    scaling = ("joints.*.gear", "joints.*.reversed", "joints.*.offset")
+
     joints: Annotated[dict[str, OdriveAxisSettings], MinLen(1)]
     mode: Literal["position", "velocity"] = "position"
     feedforward: bool = True

@@ -176,6 +176,14 @@ class Procedure(Protocol[Data]):
         """Procedures that find the same of a target that both write; default: none."""
         return ()
 
+    @property
+    def rests_on_dimensions(self) -> bool:
+        """Whether what it finds of a device holds for these dimensions of the mechanism only.
+
+        Default: it does not. What it finds of the mechanism does in any case.
+        """
+        return False
+
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the files that it writes, devices or the mechanism; default: the mechanism."""
         return (profile.mechanism,)

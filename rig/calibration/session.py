@@ -8,6 +8,7 @@ from typing import NamedTuple
 from rig.assembly import Backend, check_profile
 from rig.assembly.answers import check_motion
 from rig.calibration import instruments, store
+from rig.calibration.basis import basis_of
 from rig.calibration.check_findings import check_findings
 from rig.calibration.instrument_files import read_file
 from rig.calibration.instruments import Readings
@@ -239,7 +240,12 @@ def conclude(
             old = None  # what nobody can trust is replaced; its history stays
         if not replace:
             store.check_not_worse(finding, name, old)
-        contents.append(store.compose(finding, name, profile, data, circumstances, old, search))
+        basis = basis_of(
+            profile, finding.target, with_dimensions=procedure.rests_on_dimensions
+        )  # fmt: skip
+        contents.append(
+            store.compose(finding, name, profile, data, circumstances, old, search, basis)
+        )
     for finding, content in zip(findings, contents, strict=True):
         files.append(store.write(search[0], profile.name, finding.target, content))
     return Calibrated(findings, files, figures)

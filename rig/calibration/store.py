@@ -12,6 +12,7 @@ from rig.calibration.arrays import Array
 from rig.calibration.procedure import Evidence, Finding
 from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
+from rig.config.basis import by_procedure, kept_once
 from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
 from rig.config.ownership import owner_label
@@ -43,6 +44,7 @@ class _Origin(TypedDict):
     residual_rms: NotRequired[float]
     blocks: NotRequired[int]
     profile: NotRequired[str]
+    basis: NotRequired[dict[str, dict[str, str]]]
 
 
 class _Measurement(TypedDict):
@@ -111,10 +113,12 @@ def compose(
     circumstances: Circumstances,
     old: Content | None,
     search: Sequence[Path] = (),
+    basis: Mapping[str, str] | None = None,
 ) -> Content:
     """Return the content of a calibration file.
 
-    Values that other procedures have found of the same device stay, with their estimates.
+    Values that other procedures have found of the same device stay, with their estimates and with
+    what they rest on.
     """
     date = circumstances.now.astimezone(UTC).isoformat(timespec="seconds")
     until = circumstances.now + timedelta(seconds=circumstances.valid_for)
@@ -127,6 +131,8 @@ def compose(
         for m in ([] if old is None else old["measured"])
         if m["procedure"] != procedure and m["name"] not in found
     ]
+    before = by_procedure({} if old is None else old["provenance"].get("basis", {}))
+    stayed = {m["procedure"] for m in kept}
     provenance = {
         "procedure": procedure,
         "date": date,
@@ -149,6 +155,9 @@ def compose(
         "log": ", ".join(str(path) for path in data.paths),
         "log_sha256": data.sha256(),
         "conditions": dict(circumstances.conditions),
+        "basis": kept_once(
+            {**{name: before[name] for name in before if name in stayed}, procedure: basis or {}}
+        ),
     }
     measured = [
         {

@@ -126,6 +126,8 @@ def _in_simulation(
     profile: Profile, search: Sequence[Path], steps: Sequence[Milestone]
 ) -> str | None:
     """Return the command that comes next without hardware; None: there is nothing to simulate."""
+    from rig.cli.outdated import procedures_outdated
+
     if profile.plant is None:
         return None
     remedies = {step.what: step.remedy for step in steps if step.remedy}
@@ -133,7 +135,11 @@ def _in_simulation(
         return remedies["valid"]
     if _lacks_calibration(profile, search):
         return f"rig calibrate {profile.argument} --all"
-    return remedies.get("tuned", f"rig run EXPERIMENT --rig {profile.argument}")
+    again = procedures_outdated(profile)
+    if again:
+        return f"rig calibrate {profile.argument} {' '.join(again)} --replace"
+    tunes = (remedy for what, remedy in remedies.items() if what.startswith("tuned"))
+    return next(tunes, f"rig run EXPERIMENT --rig {profile.argument}")
 
 
 def _lacks_calibration(profile: Profile, search: Sequence[Path]) -> bool:
@@ -241,6 +247,8 @@ def _latch(profile: Profile) -> Milestone:
 def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
     """Return what each procedure has found, with its age, and whether hardware takes it."""
     from rig.calibration.catalogue import procedures
+    from rig.cli.outdated import changes_since
+    from rig.config.basis import say_changes
 
     stages = []
     today = datetime.now(UTC).date()
@@ -265,7 +273,11 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
         until = min(str(entry.get("valid_until", "9999")) for entry in entries)
         where = sorted({str(entry.get("backend", "nobody says where")) for entry in entries})
         state = f"{date}, on {', '.join(where)}, until {until}"
-        if until < today.isoformat():
+        changes = changes_since(name, procedure, profile, entries)
+        if changes:
+            state = f"of another profile: {say_changes(changes)} ({state})"
+            stages.append(Milestone(f"calibrated: {name}", state, f"{remedy} --replace"))
+        elif until < today.isoformat():
             stages.append(
                 Milestone(f"calibrated: {name}", f"expired: {state}", f"{remedy} --replace")
             )
@@ -312,7 +324,21 @@ def _tuned(profile: Profile, out: Path | None) -> list[Milestone]:
     if not found:
         state = f"no: the profile's own gains are in force{in_vain}"
         return [Milestone("tuned", state, remedy)]
-    return [Milestone(f"tuned: {law}", _gains_of(its)) for law, its in found.items()]
+    return [_of_gains(law, its, profile) for law, its in found.items()]
+
+
+def _of_gains(law: str, calibration: Calibration, profile: Profile) -> Milestone:
+    """Return the gains that were found for a law, and whether they are this rig's as it is now."""
+    from rig.config.basis import changes_of, say_changes
+
+    state = _gains_of(calibration)
+    changes = changes_of(calibration, profile)
+    if not changes:
+        return Milestone(f"tuned: {law}", state)
+    remedy = f"rig tune {profile.argument} --controller {law} --replace"
+    return Milestone(
+        f"tuned: {law}", f"of another profile: {say_changes(changes)} ({state})", remedy
+    )
 
 
 def _gains_of(calibration: Calibration) -> str:

@@ -3,6 +3,7 @@
 from datetime import date, datetime
 from typing import NamedTuple
 
+from rig.config.basis import changes_of, say_changes
 from rig.config.calibration import HARDWARE, STATED, UNKNOWN
 from rig.config.laid_over import TUNED
 from rig.config.models import Calibration, Profile
@@ -53,11 +54,18 @@ def calibration_states(
         entry = profile.devices.get(name)
         serial = None if entry is None else entry.serial
         procedure = calibration.provenance.procedure or "--all"
+        problems = _problems(calibration, serial, today)
+        changes = changes_of(calibration, profile)
+        if changes:
+            told = say_changes(changes)
+            is_gains = name.startswith(TUNED)
+            changed = f"has gains that were {told}" if is_gains else f"was {told}"
+            procedure = procedure if problems else " ".join(changes)
+            problems = (*problems, changed)
         remedy = f"rig calibrate {profile.argument} {procedure} --replace --on hardware"
         if name.startswith(TUNED):
             law = name.removeprefix(TUNED)
             remedy = f"rig tune {profile.argument} --controller {law} --replace"
-        problems = _problems(calibration, serial, today)
         if on_hardware:
             problems = (*_strangeness(calibration), *problems)
         found.append(CalibrationState(name, calibration, problems, remedy))

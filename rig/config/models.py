@@ -100,6 +100,9 @@ class Provenance:
         Path and SHA-256 of the raw log that it was computed from.
     conditions : dict of str to str
         Anything else worth knowing: temperature, rig, remarks.
+    basis : dict of str to dict
+        What the profile said of the rig meanwhile, by the procedures that measured, as texts with
+        units by dotted names; empty in files of before it was kept.
     """
 
     date: str
@@ -121,6 +124,7 @@ class Provenance:
     log: str | None = None
     log_sha256: str | None = None
     conditions: dict[str, str] = field(default_factory=dict)
+    basis: dict[str, dict[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple, Protocol, Self
+from typing import ClassVar, NamedTuple, Protocol, Self
 
 
 class Address(NamedTuple):
@@ -108,6 +108,10 @@ class DriverSettings:
     """Base of the settings of a driver."""
 
     __slots__ = ()
+
+    scaling: ClassVar[tuple[str, ...]] = ()
+    """Keys that say what its raw numbers mean, ``*`` for any one of a section: what was measured
+    through them does not hold with others."""
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the device's channels or axes as the plant calls them; empty if it has no names.

@@ -45,6 +45,12 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     varies_with: ClassVar[Mapping[str, Sequence[str]]] = {}
     """Keys of what has to be measured anew, by the key of the dimension with which it changes."""
 
+    dimensions: ClassVar[Sequence[str]] = ("geometry",)
+    """Keys of what calibrations of the mechanism rest on, and do not hold without."""
+
+    believed: ClassVar[Sequence[str]] = ()
+    """Keys of what gains that were found for a law rest on besides `dimensions`."""
+
     brakes_itself: bool = False
     """Whether `balanced_command` brings a motion to rest, and control need not do it before."""
 

@@ -5,6 +5,7 @@ from datetime import UTC, datetime, timedelta
 from importlib import metadata
 from pathlib import Path
 
+from rig.calibration.basis import basis_of_gains
 from rig.calibration.store import in_force, write
 from rig.config.calibration import STATED
 from rig.config.laid_over import TUNED
@@ -14,6 +15,7 @@ from rig.tuning.gains import nested
 from rig.tuning.verdict import EnsembleVerdict
 from rig.tuning.workbench import Request, Workbench
 
+_COMMAND = "tune"
 _HOLDS = 365.0
 """Days after which gains should be looked at again."""
 
@@ -51,7 +53,7 @@ def put_in_force(
     now = datetime.now(UTC)
     old = in_force(bench.profile, search, target)
     provenance = {
-        "procedure": "tune",
+        "procedure": _COMMAND,
         "date": now.isoformat(timespec="seconds"),
         "operator": operator,
         "backend": _origin(bench),
@@ -61,13 +63,14 @@ def put_in_force(
         "valid_until": (now + timedelta(days=_HOLDS)).date().isoformat(),
         "software": f"rig-controller {metadata.version('rig-controller')}",
         "conditions": {**facts, "code": code_version().digest, **_figures(bench, verdict)},
+        "basis": {_COMMAND: basis_of_gains(bench.profile)},
     }
     content = {
         "values": nested(verdict.gains),
         "measured": [_measured(name, gain) for name, gain in verdict.gains.items()],
         "provenance": {key: value for key, value in provenance.items() if value is not None},
     }
-    return write(search[0], bench.profile.name, target, content, "tune")
+    return write(search[0], bench.profile.name, target, content, _COMMAND)
 
 
 def _origin(bench: Workbench) -> str | None:
@@ -95,4 +98,4 @@ def _figures(bench: Workbench, verdict: EnsembleVerdict) -> dict[str, str]:
 
 def _measured(name: str, gain: float) -> dict[str, object]:
     return {"name": name, "value": gain, "unit": "", "std": 0.0, "interval": [gain, gain],
-            "procedure": "tune"}  # fmt: skip
+            "procedure": _COMMAND}  # fmt: skip

@@ -51,6 +51,12 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     (state,) = json.loads(capsys.readouterr().out)["profile"]["calibrations"]
     assert (state["name"], state["procedure"], state["state"]) == ("cylinder", "response", [])
 
+    bore = ["--set", "cylinder.bore=25 mm", "--set", "plant.cylinder.bore=25 mm"]
+    assert invoke(["check", "cylinder", "--configs", str(configs), "--json", *bore]) == 0
+    (state,) = json.loads(capsys.readouterr().out)["profile"]["calibrations"]
+    told = "was found with cylinder.bore 16 mm, and the profile says 25 mm"
+    assert (state["state"], "response --replace" in state["remedy"]) == ([told], True)
+
     assert calibrate(configs, "--history", "cylinder") == 0
     assert len(capsys.readouterr().out.strip().splitlines()) == 3
     assert calibrate(configs, "--diff", "cylinder", "cylinder") == 0

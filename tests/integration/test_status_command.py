@@ -172,6 +172,52 @@ def test_what_comes_next_in_simulation_needs_no_hardware(configs, monkeypatch):
     assert state.startswith(f"{TODAY:%Y-%m-%d}, for cylinder-step: other motions may need others")
 
 
+def test_what_was_found_before_the_profile_was_changed_comes_again(configs, monkeypatch):
+    """The wires of a pair with other bores, then its gains; the encoders do not ask."""
+    be_commissioned(monkeypatch)
+    keep(configs, *PROCEDURES)
+    put_in_force(
+        configs, "cylinder", {name: {"cylinder.bore": "16 mm"} for name in ("wires", "leak")}
+    )
+    put_in_force(configs, "controllers.cascade", {"tune": {"cylinder.bore": "16 mm"}})
+    found, following = stages(configs)
+    assert following == "rig run EXPERIMENT --on hardware"
+
+    rig = configs / "rigs" / "cylinder.yaml"
+    text = rig.read_text(encoding="utf-8").replace("bore: 16 mm", "bore: 25 mm")
+    other = text.replace(
+        "model: antagonistic-pair", "model: antagonistic-pair\n  cylinder: {bore: 25 mm}"
+    )
+    rig.write_text(other, encoding="utf-8")
+    found, following = stages(configs)
+    told = "of another profile: found with cylinder.bore 16 mm, and the profile says 25 mm ("
+    assert found["calibrated: wires"].startswith(told)
+    assert found["tuned: cascade"].startswith(told)
+    assert not any(
+        found[f"calibrated: {name}"].startswith("of") for name in ("encoders", "friction")
+    )
+    assert following == "rig calibrate cylinder wires --on hardware --replace"
+    shown = json.loads(show(configs, "--json").stdout)["next_in_simulation"]
+    assert shown == "rig calibrate cylinder wires leak --replace"
+
+    put_in_force(configs, "cylinder", {"wires": {"cylinder.bore": "25 mm"}})
+    found, following = stages(configs)
+    assert following == "rig tune cylinder --controller cascade --replace"
+    assert json.loads(show(configs, "--json").stdout)["next_in_simulation"] == following
+
+
+def put_in_force(configs, target, basis):
+    """Write a calibration file again, or anew, with what it rests on."""
+    path = configs / "calibration" / "cylinder" / f"{target}.yaml"
+    provenance = {"procedure": "tune", "date": TODAY.isoformat(), "operator": "A"}
+    empty = {"values": {}, "measured": [], "provenance": {**provenance, "backend": "hardware"}}
+    content = store.load(path) if path.exists() else empty
+    store.write(
+        configs, "cylinder", target,
+        {**content, "provenance": {**content["provenance"], "basis": basis}},
+    )  # fmt: skip
+
+
 def test_a_tune_of_another_rig_or_a_damaged_one_is_not_told(configs):
     for name, text in (("tune-cylinder-x-cascade-0", None), ("tune-cylinder-pid-1", "{")):
         folder = configs.parent / name

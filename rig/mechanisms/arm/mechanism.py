@@ -46,6 +46,13 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     Settings = ArmSettings
     section = "arm"
     kinds = Kinds(ArmState, ArmReference, ArmCommand)
+    dimensions = tuple(
+        f"geometry.{key}"
+        for key in (
+            "a1", "a2", "a3", "d6", "base_height", "wrist_sign", "elbow_offset", "shoulder_offset",
+            "marker",
+        )
+    )  # fmt: skip
 
     columns = (
         *servo_columns(AXIS_NAMES),

@@ -66,6 +66,9 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     varies_with: ClassVar = dict.fromkeys(
         ("bore", "rod"), ("friction", "moving_mass", "base_pressure")
     )
+    # Not the base pressure: experiments set it as they please.
+    dimensions: ClassVar = ("bore", "rod", "stroke", "home", "moving_mass", "geometry")
+    believed: ClassVar = ("friction", "regulator_response", "wire_stiffness", "valves")
 
     def __init__(
         self,

@@ -27,6 +27,7 @@ class ArmLinks(Procedure[Recording]):
     name = "links"
     title = "link lengths and zeros of the joints, from a marker on the hand"
     shares = ("zeros",)
+    rests_on_dimensions = True
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files and the mechanism's: what is fitted as one is used so."""

@@ -31,6 +31,7 @@ class ArmZeros(Procedure[Recording]):
     name = "zeros"
     title = "zeros and directions of the joints, from a marker on the hand"
     shares = ("links",)
+    rests_on_dimensions = True
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files."""

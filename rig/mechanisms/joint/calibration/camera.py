@@ -44,6 +44,7 @@ class Camera(Procedure[Recording]):
     name = "camera"
     title = "place, orientation and latency of the camera"
     shares = ("geometry",)
+    rests_on_dimensions = True
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the camera's file, if there is a camera."""

@@ -35,6 +35,7 @@ class Geometry(Procedure[Recording]):
     name = "geometry"
     title = "dimensions of the joint, and its camera with them"
     shares = ("camera",)
+    rests_on_dimensions = True
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the joint's and the camera's file, if there is a camera."""
