@@ -24,7 +24,8 @@ from rig.hal.files import reason_unwritten
 from rig.typed_json import checked
 from rig.whole_file import write_whole
 
-_HEADER = "# Written by rig {}; the last line seals it. Values of your own go into the profile.\n"
+HEADER = "# Written by rig {}; the last line seals it. Values of your own go into the profile.\n"
+"""First line of a file, by the command that writes it."""
 
 _WORSE = 0.95
 """A fit is worse if chance explains its larger residuals with less than one in twenty."""
@@ -244,7 +245,7 @@ def write(
     """
     path = configs / "calibration" / rig / f"{target}.yaml"
     body = dump_plain(content)
-    text = seal(_HEADER.format(command) + body)
+    text = seal(HEADER.format(command) + body)
     stamp = content["provenance"]["date"].replace(":", "").replace("+0000", "Z")
     kept = path.parent / HISTORY / target / f"{stamp}.yaml"
     try:
@@ -253,7 +254,7 @@ def write(
             suffix += 1
             kept = kept.with_name(f"{stamp}-{suffix}.yaml")
         for place in (kept, path):  # the copy first: the old file is in force until all is kept
-            _put(place, text)
+            put(place, text)
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
     return path
@@ -309,50 +310,8 @@ def find(search: Sequence[Path], rig: str, name: str) -> Path:
     raise ConfigurationError(f"no calibration of the rig {rig} is called {name!r}")
 
 
-def restore(
-    search: Sequence[Path], rig: str, target: str, date: str, owner: str | None = None
-) -> Path:
-    """Put a kept calibration in force again; the one before it stays among the kept ones.
-
-    Parameters
-    ----------
-    search : sequence of Path
-        The configuration folders; the file is written into the first.
-    rig, target : str
-        Whose calibration.
-    date : str
-        How its time starts, as its file's name has it.
-    owner : str, optional
-        The profile whose it is from now on, as `owner_label` has it: whoever puts it in force
-        says so. None: as the kept file says.
-
-    Raises
-    ------
-    ConfigurationError
-        None or several are of that date, or it cannot be written.
-    ProfileError
-        Its seal does not fit.
-    """
-    found = [path for path in history(search, rig, target) if path.stem.startswith(date)]
-    if len(found) != 1:
-        raise ConfigurationError(
-            f"{len(found)} calibrations of {target} are of {date}; "
-            f"list them with: rig calibrate {rig} --restore {target}"
-        )
-    content = load(found[0])  # its seal, too
-    text = found[0].read_text(encoding="utf-8")
-    if owner is not None and content["provenance"].get("profile", owner) != owner:
-        now = {**content, "provenance": {**content["provenance"], "profile": owner}}
-        text = seal(_HEADER.format("calibrate --restore") + dump_plain(now))
-    path = search[0] / "calibration" / rig / f"{target}.yaml"
-    try:
-        _put(path, text)
-    except OSError as error:
-        raise ConfigurationError(f"cannot write {path}: {reason_unwritten(path, error)}") from error
-    return path
-
-
-def _put(path: Path, text: str) -> None:
+def put(path: Path, text: str) -> None:
+    """Write a file whole, and the folders above it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, text)
 

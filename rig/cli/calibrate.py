@@ -78,12 +78,20 @@ _DAY = 86_400.0
 @click.option(
     "--valid-for", type=click.IntRange(1, 36500), default=365, show_default=True, help="Days."
 )
-@click.option("--history", "history_of", metavar="DEVICE", help="Show every kept calibration.")
+@click.option(
+    "--history",
+    "history_of",
+    metavar="DEVICE",
+    help="Show every kept calibration, and which is in force.",
+)
 @click.option(
     "--restore", "restored", metavar="DEVICE[/DATE]",
-    help="Put the calibration of that date in force again; without a date, list them.",
+    help="Put the calibration of that date in force again, or with `profile` for a date the "
+    "profile's own values; without a date, list them.",
 )  # fmt: skip
-@click.option("--diff", nargs=2, metavar="A B", help="Compare two calibration files.")
+@click.option(
+    "--diff", nargs=2, metavar="A B", help="Compare two calibration files, or one with `profile`."
+)
 @click.option("--uncommissioned", metavar="REASON",
               help="Why hardware that is not commissioned is moved all the same.")  # fmt: skip
 @out_option

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from rig.cli.tables import Table, print_data, print_json, print_tables, visible
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+
+Keys = tuple[str | int, ...]
+
+PROFILE: Final = "profile"
+"""In the place of a date: the profile's own values, without any calibration."""
 
 
 def show_history(search: Sequence[Path], rig: str, target: str, *, as_json: bool) -> int:
     """Show every kept calibration of a device, also those that cannot be used."""
     from rig.calibration.store import history, load
     from rig.config import rig_name
+    from rig.config.calibration import find_calibration
     from rig.hal import ConfigurationError
 
     name = rig_name(rig, search)
@@ -23,31 +34,41 @@ def show_history(search: Sequence[Path], rig: str, target: str, *, as_json: bool
         raise ConfigurationError(f"no calibration of {target} of the rig {name} is kept")
     rows = []
     found: list[dict[str, object]] = []
+    in_force = find_calibration(name, target, search)
+    date_in_force = None if in_force is None else _date_of(in_force[0])
     for path in kept:
         try:
             of = load(path)["provenance"]
         except ConfigurationError as error:  # one that is damaged hides no other
             click.echo(visible(f"{path} cannot be used: {error}"), err=True)
-            rows.append(("-",) * 6 + (str(path),))
-            found.append({"file": path, "provenance": None})
+            rows.append(("-",) * 7 + (str(path),))
+            found.append({"file": path, "provenance": None, "in_force": False})
             continue
-        found.append({"file": path, "provenance": {key: _plain(of[key]) for key in of}})
+        is_used = str(of["date"]) == date_in_force
+        plain = {key: _plain(of[key]) for key in of}
+        found.append({"file": path, "provenance": plain, "in_force": is_used})
         residual = f"{of.get('residual_rms', '-')} {of.get('unit', '')}"
         rows.append(
             (str(of["date"]), of["operator"], of.get("procedure", "-"),
-             of.get("backend", "-"), residual, str(of.get("valid_until", "-")), str(path))
+             of.get("backend", "-"), residual, str(of.get("valid_until", "-")),
+             "yes" if is_used else "-", str(path))
         )  # fmt: skip
     if as_json:
         print_json(found)
         return 0
-    head = ("date", "operator", "procedure", "measured on", "residual rms", "valid until", "file")
+    own = "yes" if in_force is None else "-"
+    rows.append((PROFILE, *("-",) * 5, own, "the profile's own values"))
+    head = (
+        "date", "operator", "procedure", "measured on", "residual rms", "valid until", "in force",
+        "file",
+    )  # fmt: skip
     print_tables([Table(f"calibrations of {target}", head, rows)])
     return 0
 
 
 def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> int:
     """Put a kept calibration in force again, as this rig's; without a date, show what is kept."""
-    from rig.calibration import store
+    from rig.calibration import put_back
     from rig.config import rig_name
     from rig.config.names import find_file, is_path, list_files
     from rig.config.ownership import owner_label
@@ -56,12 +77,20 @@ def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> in
     if not slash:
         show_history(search, rig, name, as_json=as_json)
         click.echo(
-            f"put one in force again with: rig calibrate {rig} --restore {name}/DATE", err=True
+            f"put one in force again with: rig calibrate {rig} --restore {name}/DATE, and the "
+            f"profile's own values with {name}/{PROFILE}",
+            err=True,
         )
+        return 0
+    if day == PROFILE:
+        path = put_back.take_back(search, rig_name(rig, search), target)
+        click.echo(f"in force again: the profile's own values; {path} is kept", err=True)
+        if as_json:
+            print_json({"in_force": None})
         return 0
     known = is_path(rig) or rig in list_files("rigs", search)
     owner = owner_label([find_file(rig, "rigs", search)], search) if known else None
-    path = store.restore(search, rig_name(rig, search), target, day, owner)
+    path = put_back.restore(search, rig_name(rig, search), target, day, owner)
     click.echo(f"in force again: {path}", err=True)
     if as_json:
         print_json({"in_force": path})
@@ -71,10 +100,15 @@ def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> in
 def show_difference(
     search: Sequence[Path], rig: str, one: str, other: str, *, as_json: bool
 ) -> int:
-    """Show what two calibrations measured differently, and whether that is more than chance."""
+    """Show what two calibrations measured differently, and whether that is more than chance.
+
+    One of them may be the profile's own values.
+    """
     from rig.calibration.store import find, load
     from rig.config import format_quantity, rig_name
 
+    if PROFILE in (one, other):
+        return _show_beside_profile(search, rig, one, other, as_json=as_json)
     of = rig_name(rig, search)
     paths = [find(search, of, name) for name in (one, other)]
     a, b = ({m["name"]: m for m in load(path)["measured"]} for path in paths)
@@ -97,6 +131,94 @@ def show_difference(
     head = ("quantity", "A", "B", "change", "in its std")
     print_tables([Table("difference", head, rows)])
     return 0
+
+
+def _show_beside_profile(
+    search: Sequence[Path], rig: str, one: str, other: str, *, as_json: bool
+) -> int:
+    """Show what a calibration lays over the profile beside the profile's own values."""
+    from rig.assembly import REGISTRY
+    from rig.calibration.store import find, load
+    from rig.config import load_profile
+    from rig.config.calibration import HISTORY
+
+    own = load_profile(rig, REGISTRY, ["calibration=false"], search)
+    path = find(search, own.name, other if one == PROFILE else one)
+    target = path.parent.name if path.parent.parent.name == HISTORY else path.stem
+    settings = _settings_of(own, target)
+    rows, found = [], []
+    for keys, value in _leaves(load(path)["values"]):
+        pair = [_said(settings, keys, value), _said(settings, keys, _own_value(settings, keys))]
+        a, b = reversed(pair) if one == PROFILE else pair
+        name = ".".join(map(str, keys))
+        rows.append((name, a, b))
+        found.append({"name": name, "a": a, "b": b})
+    a_file, b_file = (PROFILE, path) if one == PROFILE else (path, PROFILE)
+    if as_json:
+        print_json({"a": a_file, "b": b_file, "quantities": found})
+        return 0
+    print_data(f"A: {a_file}\nB: {b_file}")
+    print_tables([Table("difference", ("setting", "A", "B"), rows)])
+    return 0
+
+
+def _settings_of(profile: Profile, target: str) -> object:
+    """Return the settings that a calibration of a target is laid over."""
+    from rig.config.laid_over import TUNED
+    from rig.hal import ConfigurationError
+
+    known: dict[str, object] = {
+        profile.mechanism: profile.mechanism_settings,
+        **{name: entry.settings for name, entry in profile.devices.items()},
+        **{f"{TUNED}{law}": settings for law, settings in profile.controllers.items()},
+    }
+    if target not in known:
+        raise ConfigurationError(
+            f"the profile {profile.name} has nothing that is called {target}: {', '.join(known)}"
+        )
+    return known[target]
+
+
+def _leaves(values: object, keys: Keys = ()) -> Iterator[tuple[Keys, object]]:
+    if isinstance(values, Mapping):
+        for key, below in values.items():
+            yield from _leaves(below, (*keys, str(key)))
+    else:
+        yield keys, values
+
+
+def _own_value(settings: object, keys: Keys) -> object:
+    for key in keys:
+        settings = (
+            settings.get(key) if isinstance(settings, dict) else getattr(settings, str(key), None)
+        )
+    return settings
+
+
+def _said(settings: object, keys: Keys, value: object) -> str:
+    """Return a value with its unit: of the file, where it may be text, or of the settings."""
+    from rig.config.basis import say
+    from rig.config.quantities import UnitError, parse_quantity
+    from rig.config.type_hints import hint_at, unit_of
+
+    hint = hint_at(type(settings), keys)
+    unit = unit_of(hint)
+    if isinstance(value, list | tuple):
+        return ", ".join(_said(settings, (*keys, n), item) for n, item in enumerate(value))
+    if isinstance(value, str) and unit is not None:
+        with contextlib.suppress(UnitError):  # a file of another version is shown as it is
+            value = parse_quantity(value, unit)
+    return say(value, hint)
+
+
+def _date_of(path: Path) -> str | None:
+    from rig.calibration.store import load
+    from rig.hal import ConfigurationError
+
+    try:
+        return str(load(path)["provenance"]["date"])
+    except ConfigurationError:
+        return None
 
 
 def _plain(value: object) -> object:

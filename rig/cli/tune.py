@@ -63,8 +63,9 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     The law runs on simulated plants that are as the profile and its calibration say, and on
     others within what they leave open. Gains are put in force that keep their distance from
     instability on all of them; the older file is kept, as by `rig calibrate`, whose --history,
-    --diff and --restore take controllers.LAW for a device. Interrupted, the same command goes on
-    from what it has kept among the runs.
+    --diff and --restore take controllers.LAW for a device: `rig calibrate RIG --restore
+    controllers.LAW/profile` goes back to the profile's own gains. Interrupted, the same command
+    goes on from what it has kept among the runs.
     """
     from rig.calibration.store import check_writable
     from rig.config.names import find_configs, say_where
@@ -222,6 +223,7 @@ def _apply(
     from rig.assembly import REGISTRY
     from rig.cli.status import tell_both, way
     from rig.config import load_profile
+    from rig.config.laid_over import TUNED
     from rig.tuning.overlay import put_in_force
 
     facts = {
@@ -248,6 +250,11 @@ def _apply(
             "takes them back if it is nearer to instability than before",
             err=True,
         )
+    click.echo(
+        f"back to the profile's own gains: rig calibrate {bench.profile.argument} --restore "
+        f"{TUNED}{request.controller}/profile",
+        err=True,
+    )
     profile = load_profile(request.rig, REGISTRY, (), search)
     tell_both(profile, search, way(profile, search, options["out"]))
     return path

@@ -123,16 +123,24 @@ def _leaves(section: str, value: object, hint: object) -> Iterator[tuple[str, st
     elif isinstance(value, dict):
         below = value
     else:
-        yield section, _text(value, hint)
+        yield section, say(value, hint)
         return
     for key, item in below.items():
         yield from _leaves(f"{section}.{key}", item, hint_at(hint, (str(key),)))
 
 
-def _text(value: object, hint: object) -> str:
-    """Return a value with its unit, to nine digits: it is compared with itself."""
+def say(value: object, hint: object) -> str:
+    """Return a value with its unit as text, to nine digits: it is compared with itself.
+
+    Parameters
+    ----------
+    value : object
+        In SI.
+    hint : annotation
+        Of the setting, with its unit.
+    """
     if isinstance(value, list | tuple):
-        texts = [_text(item, hint_at(hint, (number,))) for number, item in enumerate(value)]
+        texts = [say(item, hint_at(hint, (number,))) for number, item in enumerate(value)]
         return ", ".join(texts) or "none"
     if isinstance(value, float):
         name, scale = unit_for_people(value, unit_of(hint) or "1")

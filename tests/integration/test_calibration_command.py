@@ -58,7 +58,7 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     assert (state["state"], "response --replace" in state["remedy"]) == ([told], True)
 
     assert calibrate(configs, "--history", "cylinder") == 0
-    assert len(capsys.readouterr().out.strip().splitlines()) == 3
+    assert len(capsys.readouterr().out.strip().splitlines()) == 4  # and the profile
     assert calibrate(configs, "--diff", "cylinder", "cylinder") == 0
     assert "agonist.bandwidth" in capsys.readouterr().out
 
