@@ -8,11 +8,14 @@ interframe space: 135 bits for 8 bytes, 55 for an empty frame.
 """
 
 from collections.abc import Iterable, Sequence
-from math import inf
+from math import ceil, inf
 
 from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
 from rig.hal import BusLoad, ConfigurationError, DriverSettings, FrameLoad
+
+_BITS_OF_BYTE = 10
+"""One byte more in a frame, with the stuff bits of the worst case."""
 
 
 def compute_frame_bits(size: int) -> int:
@@ -76,8 +79,14 @@ def check_bus_load(
     ConfigurationError
         The load is above the bus's `max_load`; the message lists what fills it.
     """
-    return compute_bus_load(bus, devices, rate).check(
+    load = compute_bus_load(bus, devices, rate)
+    if load.total <= bus.max_load:
+        return load
+    fitting = load.fitting(rate, compute_bus_load(bus, devices, 0.0).total, bus.max_load)
+    fewer = ceil((load.total - bus.max_load) * bus.bitrate / (rate * _BITS_OF_BYTE))
+    return load.check(
         bus.max_load,
         f"bus {name}: the worst-case load at {rate:g} Hz and {bus.bitrate:g} bit/s",
-        "Lower the rate, or move devices to another bus",
+        f"Lower the rate ({fitting}), map less (by {fewer} bytes a cycle), "
+        "or move devices to another bus",
     )

@@ -66,8 +66,12 @@ def check_serial_load(
     ConfigurationError
         The load is above the bus's `max_load`; the message lists what fills it.
     """
-    return compute_serial_load(bus, devices, rate).check(
+    load = compute_serial_load(bus, devices, rate)
+    if load.total <= bus.max_load:
+        return load
+    fitting = load.fitting(rate, 0.0, bus.max_load)
+    return load.check(
         bus.max_load,
         f"bus {name}: the load at {rate:g} Hz and {bus.baudrate:g} bit/s",
-        "Raise the baud rate, lower the loop's rate, or use a second bus",
+        f"Raise the baud rate, lower the loop's rate ({fitting}), or use a second bus",
     )

@@ -1,6 +1,7 @@
 """The bus seam: what a driver needs of a CAN bus, and of anything exchanged cyclically."""
 
 from collections.abc import Iterable, Sequence
+from math import floor, log10
 from typing import NamedTuple, Protocol
 
 from rig.hal.errors import ConfigurationError
@@ -134,9 +135,27 @@ class BusLoad(NamedTuple):
         if self.total <= most:
             return self
         raise ConfigurationError(
-            f"{bus} is {100.0 * self.total:.1f} %, at most {100.0 * most:g} % is allowed. "
-            f"{remedy}:\n{self.table()}"
+            f"{bus} is {100.0 * self.total:.1f} %, at most {100.0 * most:g} % is allowed: "
+            f"{100.0 * (self.total - most):.1f} % too much. {remedy}:\n{self.table()}"
         )
+
+    def fitting(self, rate: float, at_rest: float, most: float) -> str:
+        """Return which loop's rate would fit, in words.
+
+        Parameters
+        ----------
+        rate : float
+            Of the loop, Hz, with which the load is this one.
+        at_rest : float
+            The load of what is sent however fast the loop is, 0 … 1.
+        most : float
+            The greatest permitted, 0 … 1.
+        """
+        if at_rest >= most:
+            return "no rate would fit"
+        found = rate * (most - at_rest) / (self.total - at_rest)
+        step = 10.0 ** (floor(log10(found)) - 1)  # two digits, rounded down: it has to fit
+        return f"{floor(found / step) * step:g} Hz would fit"
 
     def table(self) -> str:
         """Return the frames as lines of text."""

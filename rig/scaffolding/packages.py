@@ -46,13 +46,14 @@ controllers:
 extends: cylinder
 description: The pair of cylinders, with a sensor of our own that is logged
 loop:
-  rate: 500 Hz              # one more node would not fit the bus at 1 kHz
+  rate: 500 Hz              # at 1 kHz one more node is too much for the bus
 devices:
   {0}:
     driver: {0}
     bus: can0
     node: 0x30
     full_scale: 100         # what 32767 counts are, in ...
+    offset: 0               # what 0 counts are
     unit: N                 # ... the sensor's unit, which the log says: N, degC, bar
     measures: agonist       # simulated, it shows this channel: of a cylinder its wire's tension, N
 """,

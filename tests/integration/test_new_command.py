@@ -14,7 +14,7 @@ from rig.assembly import REGISTRY
 from rig.cli import invoke
 from rig.config import load_experiment, load_profile
 from rig.config.names import find_configs, list_files
-from rig.runtime.log import LogFile
+from rig.runtime.log import LogFile, read_log
 
 
 @pytest.fixture
@@ -129,6 +129,23 @@ def test_a_sensor_is_logged_in_the_unit_that_its_profile_says(here):
     run = Lab(folder, paths).run("oil-thermometer-sine", "--on", "sim", "--no-report")
     units = {column.name: column.unit for column in LogFile(run / "log.mcap").columns}
     assert units["device.oil_thermometer_value"] == "degC"
+
+
+@pytest.mark.slow
+def test_a_sensor_whose_zero_is_off_is_read_as_one_whose_zero_is_not(here):
+    """The simulated node counts from its offset, the driver adds it: who forgets it shows 20 N."""
+    assert invoke(["new", "driver", "load-gauge"]) == 0
+    folder = here / "load-gauge"
+    profile = folder / "configs" / "rigs" / "load-gauge-rig.yaml"
+    text = profile.read_text()
+    paths = beside_the_source(here / "installed", project_of(folder), folder / "src")
+    found = []
+    for offset in ("offset: 0 ", "offset: 20 "):
+        profile.write_text(text.replace("offset: 0 ", offset))
+        run = Lab(folder, paths).run("load-gauge-sine", "--on", "sim", "--no-report")
+        found.append(read_log(run / "log.mcap").column("device.load_gauge_value"))
+    assert found[0].max() - found[0].min() > 1.0
+    assert abs(found[1] - found[0]).max() < 2 * 100 / 32767
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ def test_a_bus_that_is_too_full_is_refused_with_what_fills_it():
         check_serial_load("chain", SerialBusSettings("x", baudrate=115_200), [LEGS], 200.0)
     text = str(refused.value)
     assert "bus chain: the load at 200 Hz and 115200 bit/s is 585.3 %, at most 70 %" in text
+    assert "allowed: 515.3 % too much. Raise the baud rate, lower the loop's rate (23 Hz" in text
     assert "answer of all" in text
     assert "legs setpoints" in text
 

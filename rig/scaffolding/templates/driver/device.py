@@ -34,7 +34,7 @@ class MySensor(Device):
         self.name = name
         column = device_column(name, "value", settings.unit, "what the sensor measures")
         self.log_columns = (column,)
-        self._gain = settings.gain
+        self._gain, self._offset = settings.gain, settings.offset
         self._serial = serial
         self._node = CanopenNode(name, settings.node, bus)
         self._inputs = CyclicInputs(
@@ -73,4 +73,4 @@ class MySensor(Device):
         return (self._value.value,)
 
     def _take(self, values: tuple[int, ...], t: float) -> None:
-        self._value = Reading(self._gain * values[0], t)
+        self._value = Reading(self._gain * values[0] + self._offset, t)

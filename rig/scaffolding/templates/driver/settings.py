@@ -24,7 +24,9 @@ class MySensorSettings(CanopenDeviceSettings):
     node : int
         Its number on the bus.
     full_scale : float
-        What 32767 counts are, in `unit`.
+        By how much 32767 counts are more than 0 counts, in `unit`.
+    offset : float
+        What 0 counts are, in `unit`: of a sensor of 4 … 20 mA a quarter of its range below 0.
     unit : str
         Of what the sensor measures, as log, figures and exported files say it.
     measures : str
@@ -37,6 +39,7 @@ class MySensorSettings(CanopenDeviceSettings):
     node: Annotated[int, Interval(ge=1, le=127)]
     full_scale: Annotated[float, Gt(0)]
     unit: str
+    offset: float = 0.0
     measures: str = "agonist"
 
     @property
@@ -54,5 +57,5 @@ class MySensorSettings(CanopenDeviceSettings):
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return that the node sends its input with every SYNC."""
-        quantities = {INPUT: Quantity("value", self.unit, self.gain)}
+        quantities = {INPUT: Quantity("value", self.unit, self.gain, self.offset)}
         return (DescribedNode(name, self.node, (), ((INPUT,),), True, quantities),)
