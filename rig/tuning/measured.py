@@ -114,12 +114,9 @@ def loop_teller(profile: Profile) -> Callable[[RunData, object], MeasuredLoop]:
     """
     found = REGISTRY.measured_loop(profile.mechanism)
     if found is None:
-        able = [
-            name for name in REGISTRY.names("mechanism") if REGISTRY.measured_loop(name) is not None
-        ]
         raise ConfigurationError(
-            f"the loop of a {profile.mechanism} cannot be measured, that of a {' or '.join(able)} "
-            "can; what the linear model says of it is printed by `rig check`"
+            f"the loop of a {profile.mechanism} cannot be measured: its row names no "
+            "`measured_loop`; what the linear model says of it is printed by `rig check`"
         )
     return found
 

@@ -128,6 +128,7 @@ DRIVEN = {
     "calibrate history": ["calibrate", "cylinder", "--history", "cylinder"],
     "calibrate diff": ["calibrate", "cylinder", "--diff", "cylinder", "cylinder"],
     "tune": ["tune", "cylinder", *TUNE],
+    "margins": ["margins", "cylinder", "--on", "sim"],
     "watch": ["watch", "FIRST", "--port", "0", "--steer"],
     "stop": ["stop"],
     "reset": ["reset", "cylinder"],
@@ -167,6 +168,7 @@ CONTENT = {
     "tune": lambda found: (
         found["file"] is None and set(found["now"]["gains"]) == set(found["before"]["gains"])
     ),
+    "margins": lambda found: found["now"]["sensitivity"]["measured"] > 1.0,
     "watch": lambda found: found["look"].startswith("http://127.0.0.1:") and found["steer"],
     "reset": lambda found: found["was_latched"] is None and not found["is_latched"],
     "simulate": lambda found: "regulators" in found["buses"]["can0"]["devices"],

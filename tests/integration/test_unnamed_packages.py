@@ -56,6 +56,7 @@ COMMAND_LINES = {
     "completion": ["completion", "bash"],
     "reset": ["reset", "cylinder", "--on", "hardware", "--yes", "cylinder"],
     "tune": ["tune", "cylinder", "--for", "no-such-experiment"],
+    "margins": ["margins", "arm"],
     "simulate": ["simulate", "cylinder", "--on", "vcan9"],
 }
 
