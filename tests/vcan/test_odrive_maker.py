@@ -9,9 +9,11 @@ parameters, not that a real ODrive sends the same bytes; our driver keeps to the
 """
 
 import asyncio
+import os
 import select
 import struct
 import time
+from pathlib import Path
 
 import pytest
 from two_processes import PATIENCE, set_all, simulate
@@ -36,6 +38,19 @@ ENDPOINTS = {
 }
 MOVED = 0x20
 RX_SDO, TX_SDO = 0x04, 0x05
+
+
+@pytest.fixture(autouse=True)
+def paced():
+    """Have the time of our programs pass no faster than the maker's, see `patient_time`."""
+    folder = os.environ.get("SHARED_TIME")
+    if folder is None:
+        yield
+        return
+    file = Path(folder, "paced")
+    file.touch()
+    yield
+    file.unlink()
 
 
 @pytest.fixture

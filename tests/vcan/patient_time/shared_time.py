@@ -21,6 +21,8 @@ from typing import Any
 
 MOST = 1023
 """So many threads can have waited, of all programs that ever took part."""
+PACED = "paced"
+"""A file beside the time: while it is there, programs take part that know nothing of this time."""
 SHORTEST = 1e-6
 """A wait takes so long at least, s: a difference of two instants may round to nothing."""
 LOOKS = 100

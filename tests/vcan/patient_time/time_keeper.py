@@ -5,7 +5,8 @@ waits, and only then: all of them have a real-time policy, and it is idle. That 
 itself: since Linux 6.12 a program that could not run for a second gets a twentieth of the next. So
 it also asks the kernel whether anybody else could run now.
 
-The time never passes faster than the kernel's, in which programs of other people live.
+While there is a file `PACED`, it does not pass faster than the kernel's, in which programs of other
+people live.
 """
 
 import os
@@ -14,7 +15,7 @@ import time
 from math import inf
 from pathlib import Path
 
-from shared_time import SharedTime, pipe_of
+from shared_time import PACED, SharedTime, pipe_of
 
 _LOOK = 1e-3  # while nobody waits for an instant, s of the kernel's time
 _BEHIND = 0.01  # no more is made up for, s: what was slow for long is not followed by haste
@@ -25,7 +26,7 @@ def keep(shared: SharedTime) -> None:
     """Go from one instant that somebody waits for to the next, for ever."""
     values, pipes = shared.values, {}
     load = os.open(_LOAD, os.O_RDONLY)
-    came = time.monotonic()  # the kernel's time to which this one has come
+    paced, came = shared.folder / PACED, -inf  # the kernel's time to which this one has come
     while True:
         if int(os.pread(load, 64, 0).split()[3].partition(b"/")[0]) > 1:
             os.sched_yield()
@@ -36,14 +37,15 @@ def keep(shared: SharedTime) -> None:
             time.sleep(_LOOK)
             continue
         passed = max(0.0, first - values[0])
-        now = time.monotonic()
-        came = max(came, now - _BEHIND)
-        ahead = came + passed - now
-        if ahead > _LOOK:
-            time.sleep(ahead)
-            continue
-        came += passed
-        values[0] += passed
+        if paced.exists():
+            now = time.monotonic()
+            came = max(came, now - _BEHIND)
+            ahead = came + passed - now
+            if ahead > _LOOK:
+                time.sleep(ahead)
+                continue
+            came += passed
+        values[0] = max(values[0], first)
         number = 1 + seats.index(first)
         if number not in pipes:
             pipes[number] = os.open(pipe_of(shared.folder, number), os.O_RDWR | os.O_NONBLOCK)
