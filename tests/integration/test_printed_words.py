@@ -12,6 +12,7 @@ import rig
 from rig.assembly.rig import Backend
 from rig.cli import invoke
 from rig.cli.command_table import COMMANDS
+from rig.cli.loops import loop_table
 from rig.cli.progress import _NAMES
 from rig.doctor.look import Fitness
 from rig.explaining.exit_codes import EXIT_CODES
@@ -43,7 +44,8 @@ ABBREVIATIONS = {
 }  # fmt: skip
 """Those that messages have, beside placeholders of usage lines and everybody's (YAML, JSON)."""
 ASKED = ("t", "aborted", "faulted", "infeasible", "hits", "SYNC", "PDO", "calibration", "rehearsal",
-         "overlay", "digest", "calibrated: encoders", "TPDO1")  # fmt: skip
+         "overlay", "digest", "calibrated: encoders", "TPDO1", "dead time", "reversal", "ensemble",
+         "Stribeck", "told: before", "bears more dead time", "peak speed")  # fmt: skip
 
 
 def texts(tree):
@@ -105,6 +107,20 @@ def test_every_milestone_of_status_is_known(known):
     words = set(calls("Milestone", 0))
     assert {"computer", "commissioned", "calibrated:", "loop of"} <= words
     assert unknown(known, words) == []
+
+
+def test_every_row_of_a_loop_and_of_a_tune_is_known(known):
+    """Their names stand in the first column, not in a heading."""
+    loop = {"stable": True, "crossover": 20.0, "phase": 0.8, "delay": 0.02, "sensitivity": 1.5}
+    rows = {row[0] for row in loop_table("pid", loop).rows}
+    source = next(t for t in modules() if "the most on any plant" in {*texts(t)})
+    quiet = next(
+        node.value for node in ast.walk(source)
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", None) == "quiet"
+    )  # fmt: skip
+    tuned = {row.elts[0].value for row in quiet.elts}
+    assert {"lost plants", "hunting", "cost"} <= tuned and len(rows) == 5
+    assert unknown(known, rows | tuned) == []
 
 
 def test_every_abbreviation_of_buses_is_known(known):
