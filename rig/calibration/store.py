@@ -17,6 +17,7 @@ from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_
 from rig.config.diagnostics import Problems
 from rig.config.ownership import owner_label
 from rig.config.plain_dump import dump_plain
+from rig.config.records import record_folders
 from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
 from rig.hal.files import check_writable as check_folder
@@ -318,7 +319,7 @@ def put(path: Path, text: str) -> None:
 
 def in_force(profile: Profile, search: Sequence[Path], target: str) -> Content | None:
     """Return the calibration that is in force, None without one or with another rig's."""
-    found = find_calibration(profile.name, target, search)
+    found = find_calibration(profile.name, target, record_folders(profile.files, search))
     return None if found is None or target in profile.foreign else load(found[0])
 
 

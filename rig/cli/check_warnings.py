@@ -23,10 +23,12 @@ def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
     from rig.cli.inherited import inherited_sentences
     from rig.config.calibration_state import sentences_of_bases
     from rig.config.names import find_configs
+    from rig.config.records import sentences_of_records
 
-    inherited = inherited_sentences(profile, find_configs(configs))
-    bases = sentences_of_bases(profile)
-    return [*_of_broken_parts(profile), *inherited, *bases, *_strange_units(profile)]
+    search = find_configs(configs)
+    inherited = inherited_sentences(profile, search)
+    elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
+    return [*_of_broken_parts(profile), *inherited, *elsewhere, *_strange_units(profile)]
 
 
 def _of_broken_parts(profile: Profile) -> Iterator[str]:

@@ -23,7 +23,7 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
         Nothing is called so; with the nearest name.
     """
     from rig.config.diagnostics import nearest
-    from rig.config.names import is_path, list_files
+    from rig.config.names import alone_in, is_path, list_files
     from rig.hal import ConfigurationError
     from rig.hal.files import is_file
 
@@ -44,7 +44,8 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     if is_file(Path(f"{source}.yaml")):
         message = f"no rig or experiment is called {source!r}; did you mean the file {source}.yaml?"
         raise ConfigurationError(message)
-    hint = nearest(source, {**rigs, **experiments}) or "there are none"
+    alone = alone_in(source, "rigs", search) or alone_in(source, "experiments", search)
+    hint = alone or nearest(source, {**rigs, **experiments}) or "there are none"
     raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")
 
 

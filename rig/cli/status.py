@@ -64,6 +64,7 @@ def status(
     from rig.config import load_profile
     from rig.config.calibration_state import sentences_of_bases
     from rig.config.names import find_configs
+    from rig.config.records import sentences_of_records
 
     search = find_configs(configs)
     profile = load_profile(rig, REGISTRY, overrides, search)
@@ -71,18 +72,19 @@ def status(
     stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
     title = ", ".join(filter(None, (profile.name, profile.description)))
     following, simulated = _following(steps), _in_simulation(profile, search, steps)
+    notes = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     if as_json:
         shown = {
             "stages": [stage._asdict() for stage in stages],
             "next": following or None,
             "next_in_simulation": simulated,
-            "notes": sentences_of_bases(profile),
+            "notes": notes,
         }
         print_json(shown)
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(title, ("what", "state"), rows)])
-    for sentence in sentences_of_bases(profile):
+    for sentence in notes:
         click.echo(f"note: {sentence}", err=True)
     tell_both(profile, search, steps)
     return 0
@@ -223,12 +225,13 @@ def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
     from rig.assembly import Backend
     from rig.commissioning.permission import verdict_of
     from rig.commissioning.session import has_steps
+    from rig.config.records import record_folders
 
     if not has_steps(profile):
         return Milestone(
             "commissioned", f"no: there is no acceptance test of a {profile.mechanism}"
         )
-    verdict = verdict_of(profile, Backend.HARDWARE, search)
+    verdict = verdict_of(profile, Backend.HARDWARE, record_folders(profile.files, search))
     if verdict.lack:
         remedy = f"rig commission {profile.argument} --on hardware"
         return Milestone("commissioned", f"no: {verdict.lack}", remedy)

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rig.config.located import Mark
+from rig.config.located import Mark, Source
 from rig.hal import ConfigurationError
 
 _WIDTH = 96
@@ -59,6 +59,7 @@ class Problems:
     def __init__(self) -> None:
         self._found: dict[tuple[Mark, str], Diagnostic] = {}
         self._broken: set[Mark] = set()
+        self._partial: set[Source] = set()
 
     def __bool__(self) -> bool:
         return bool(self._found)
@@ -70,7 +71,8 @@ class Problems:
 
     def add(self, mark: Mark, message: str, hint: str | None = None) -> None:
         """Note an error, unless the value there is known to be unreadable."""
-        if mark not in self._broken:
+        missing = mark.source in self._partial and message.endswith(" is missing")
+        if mark not in self._broken and not missing:
             self._found.setdefault((mark, message), Diagnostic(mark, message, hint))
 
     def add_broken(self, mark: Mark, message: str, hint: str | None = None) -> None:
@@ -78,9 +80,9 @@ class Problems:
         self.add(mark, message, hint)
         self._broken.add(mark)
 
-    def hush(self, mark: Mark) -> None:
-        """Take no error at a place: what is found there from now on follows from another one."""
-        self._broken.add(mark)
+    def hush_missing(self, source: Source) -> None:
+        """Take no error that a key is missing in a file: it is known to be a part of the whole."""
+        self._partial.add(source)
 
     def error(self) -> ProfileError:
         """Return everything as one exception, in the order of the files and lines."""

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, ProfileError, nearest, shown
 from rig.config.located import BROKEN, Mark, Node, Plain, Source
-from rig.config.names import SUFFIXES, Folder, find_file, is_path, list_files
+from rig.config.names import SUFFIXES, Folder, alone_in, find_file, is_path, list_files
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.setting import Setting
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
@@ -83,7 +83,7 @@ def _load(
         return Document(own, (path,))
     base = _base(extends, folder, search, problems, chain)
     if base is None:
-        problems.hush(root.mark)  # that a key is missing: the base would have had it
+        problems.hush_missing(root.mark.source)  # the base would have had them
         return Document(own, (path,))
     inherited = _load(base, folder, search, problems, chain)
     assert isinstance(inherited.root.value, dict)
@@ -150,7 +150,9 @@ def _installed(
     known |= list_files(folder, search)
     if name in known:
         return known[name]  # in the chain, which is said
-    hint = nearest(name, known) or "there is none beside this file"
+    hint = (
+        alone_in(name, folder, search) or nearest(name, known) or "there is none beside this file"
+    )
     raise ConfigurationError(f"no {folder[:-1]} is called {name!r}; {hint}")
 
 

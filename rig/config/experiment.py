@@ -22,7 +22,7 @@ from rig.config.located import Node, places_of
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
 from rig.config.named_files import beside, check_files, with_path_beside
 from rig.config.named_settings import Registry, controller_names
-from rig.config.names import find_file, is_name, is_path, list_files
+from rig.config.names import alone_in, find_file, is_name, is_path, list_files
 from rig.config.profile import load_profile
 from rig.config.settings import build
 from rig.hal import ConfigurationError
@@ -234,7 +234,11 @@ def _check_names(
     rigs = list_files("rigs", search) if search and not is_path(rig or "/") else {rig: None}
     if rig is not None and rig not in rigs:
         place, _ = root.descend(("rig",))
-        hint = _file_of(rig, place) or nearest(rig, [name for name in rigs if name is not None])
+        hint = (
+            _file_of(rig, place)
+            or alone_in(rig, "rigs", search)
+            or nearest(rig, [name for name in rigs if name is not None])
+        )
         problems.add(place.mark, f"no rig is called {shown(rig)}", hint)
     if controller is not None and controller not in controller_names(registry):
         place, _ = root.descend(("controller",))

@@ -81,6 +81,24 @@ def list_files(folder: Folder, search: Sequence[Path]) -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
+def alone_in(name: str, folder: Folder, search: Sequence[Path]) -> str | None:
+    """Return that a name is one of the usual folders, where another one was named; else None.
+
+    Parameters
+    ----------
+    name : str
+        That no file in `search` has.
+    folder : str
+        ``"rigs"`` or ``"experiments"``.
+    search : sequence of Path
+        The configuration folders.
+    """
+    found = None if len(search) != 1 else list_files(folder, find_configs()).get(name)
+    if found is None:
+        return None
+    return f"{search[0]} alone is looked in, by --configs; without that it is {found}"
+
+
 def is_path(source: str) -> bool:
     """Return whether a text means a file and not a name."""
     return "/" in source or source.endswith(SUFFIXES)
@@ -121,7 +139,7 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
         raise ConfigurationError(
             f"no {_SINGULAR[folder]} is called {source!r}; did you mean the file {beside}?"
         )
-    hint = nearest(source, files)
+    hint = alone_in(source, folder, search) or nearest(source, files)
     where = ", ".join(str(configs / folder) for configs in search) or "nowhere: no folder"
     raise ConfigurationError(
         f"no {_SINGULAR[folder]} is called {source!r}; " + (hint or f"looked in {where}")

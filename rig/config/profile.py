@@ -32,6 +32,7 @@ from rig.config.models import (
 )
 from rig.config.named_settings import Registry, controller_key, controller_names
 from rig.config.names import find_file, is_name, is_path, list_files
+from rig.config.records import record_folders
 from rig.config.settings import build
 from rig.config.simulation_models import SimulationSettings
 
@@ -130,8 +131,7 @@ def load_profile(
     options = parse_overrides(overrides, problems)
     root = apply_overrides(document.root, options, problems)
     rig = _name(root, path, problems)
-    # A profile outside of the folders that are searched still finds its own calibrations.
-    folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
+    folders = record_folders([path], search)
     laid = lay_calibrations(document.root, root, rig, document.files, folders, problems)
     calibrated, calibrations, foreign, files, without = laid
     bare = root

@@ -12,6 +12,7 @@ from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.commissioning.permission import as_commissioned
 from rig.config.calibration_state import sentences_of_bases
+from rig.config.records import sentences_of_records
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -148,7 +149,7 @@ def run_experiment(
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
     notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
     if heed_calibrations:
-        doubts += sentences_of_bases(plan.profile)
+        doubts += [*sentences_of_bases(plan.profile), *sentences_of_records(plan.profile)]
         plan, notes = as_commissioned(plan, backend, uncommissioned)
     rig_names = plan.profile.name, plan.profile.argument
     latch = FaultLatch(*rig_names) if backend is Backend.HARDWARE else None
