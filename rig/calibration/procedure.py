@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rig.calibration.arrays import Array
@@ -66,6 +67,8 @@ class Finding(NamedTuple):
         For the page.
     notes : sequence of str
         What was not found and why, for people.
+    reasons : mapping of str to str
+        Why a value is another one than its estimates, by its dotted name; kept in the file.
     """
 
     target: str
@@ -77,6 +80,7 @@ class Finding(NamedTuple):
     blocks: int
     panels: Sequence[Panel]
     notes: Sequence[str] = ()
+    reasons: Mapping[str, str] = MappingProxyType({})
 
 
 class Excitation(NamedTuple):

@@ -73,6 +73,7 @@ class _Kept(_Dated, total=False):
 
     measured: list[_Measurement]
     values: dict[str, object]
+    reasons: dict[str, str]
 
 
 class Circumstances(NamedTuple):
@@ -176,8 +177,10 @@ def compose(
         for e in finding.estimates
     ]
     values = _merged({} if old is None else old["values"], finding.values)
+    reasons = {**({} if old is None else old.get("reasons", {})), **finding.reasons}
     return {
         "values": values,
+        **({"reasons": reasons} if reasons else {}),
         "measured": [*kept, *measured],
         "provenance": {key: value for key, value in provenance.items() if value is not None},
     }

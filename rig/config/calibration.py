@@ -1,10 +1,10 @@
 """Calibration files: measured values of one device, laid over its settings in the profile.
 
 ``calibration/<rig>/<device>.yaml`` holds ``values``, in the words of the device's settings (or of
-the mechanism's, in a file of its name), what was ``measured`` with its uncertainty, and its
-``provenance``. The profile stays as it was written; what was laid over it stands in the resolved
-profile of every run. The last line seals what stands above it: a value that somebody changed by
-hand was not measured.
+the mechanism's, in a file of its name), ``reasons`` where one is not what was estimated, what was
+``measured`` with its uncertainty, and its ``provenance``. The profile stays as it was written; what
+was laid over it stands in the resolved profile of every run. The last line seals what stands above
+it: a value that somebody changed by hand was not measured.
 """
 
 import hashlib
@@ -38,7 +38,7 @@ UNKNOWN: Final = "unknown"
 """Where a value was measured: on the rig itself; nobody has written it down."""
 
 _KEYS: Final = ("values", "provenance")
-_OTHER_KEYS: Final = ("measured", "seal")
+_OTHER_KEYS: Final = ("reasons", "measured", "seal")
 
 _SEAL: Final = re.compile(r"^seal: ([0-9a-f]{64})\n?\Z", re.MULTILINE)
 

@@ -1,13 +1,19 @@
 """`rig calibrate` from the command line to the file, and back into a profile."""
 
 import json
+<<<<<<< HEAD
 import shlex
+=======
+import re
+>>>>>>> 28ca73b5 (rig calibrate response says which dead time is put in force, and why)
 import shutil
 
 import pytest
 
+from rig.calibration import store
 from rig.cli import invoke
 from rig.config import find_configs
+from rig.config.quantities import parse_quantity
 
 
 @pytest.fixture
@@ -42,6 +48,18 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     assert calibrate(configs, "response", "--yes", "--on", "sim", "--temperature", "23 degC") == 0
     shown, said = capsys.readouterr()
     assert "bears more dead time" in shown, "what the loops bear, now that it is known"
+    found = store.load(file)
+    response, reason = found["values"]["regulator_response"], found["reasons"]
+    assert response["dead_time"].endswith(" s") and response["bandwidth"].endswith(" rad/s")
+    why = reason["regulator_response.dead_time"]
+    assert f"put in force: regulator_response.dead_time {response['dead_time']}: {why}" in said
+    each = re.findall(r"(?:ant)?agonist (?:up|down) ([0-9.]+ ms)", why)
+    longest = max(parse_quantity(text, "s") for text in each)
+    assert len(each) == 4
+    assert parse_quantity(response["dead_time"], "s") == pytest.approx(longest, rel=5e-3)
+    estimated = [m["value"] for m in found["measured"] if m["name"].endswith(".dead_time")]
+    assert longest > 1.05 * max(estimated), "or it need not be said"
+
     rig = configs / "rigs" / "cylinder.yaml"  # where nobody who leaves --configs out would find it
     assert f"`rig tune {rig} --controller pid`" in said
     (run,) = (configs.parent / "runs").iterdir()

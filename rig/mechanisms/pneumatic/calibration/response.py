@@ -8,10 +8,12 @@ second order with a dead time is fitted,
 and the repetitions tell how well it is known. Time counts from the cycle that sent the new
 set-point, not from the plan: where in a cycle a plan has its step would else pass for scatter.
 A first step up and down is not judged: it comes from wherever the regulator's hysteresis was left,
-and those that follow come from where the one before has left it. Air fills faster than it leaves:
-the middle of both directions is what a controller can use. Each direction has its own scatter,
-which often one of the two makes up alone: the interval has the degrees of freedom that are left
-then (Welch and Satterthwaite), and not those of two directions that scatter alike.
+and those that follow come from where the one before has left it. Air fills faster than it leaves.
+The middle of both directions is estimated, and its mean over the chambers is the bandwidth and the
+damping in force. The dead time in force is the longest of any chamber and direction: a controller
+has to bear it. Each direction has its own scatter, which often one of the two makes up alone: the
+interval has the degrees of freedom that are left then (Welch and Satterthwaite), and not those of
+two directions that scatter alike.
 """
 
 import math
@@ -23,9 +25,9 @@ import numpy as np
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
 from rig.calibration.instruments import Readings
-from rig.calibration.procedure import Excitation, Finding, Panel
+from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
-from rig.config import Profile
+from rig.config import Profile, format_quantity
 from rig.mechanisms.pneumatic.calibration.pneumatics import PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
@@ -69,7 +71,7 @@ class Response(PneumaticProcedure):
         rests: list[Array] = []
         panels: list[Panel] = []
         means: list[Array] = []
-        sides_found: list[tuple[float, float]] = []
+        sides_found: dict[str, tuple[float, float]] = {}
         model = profile.mechanism_settings.regulator_response
         for channel in channels:
             found: dict[str, Array] = {}
@@ -93,22 +95,47 @@ class Response(PneumaticProcedure):
                 up, down = (rows[:, index].tolist() for rows in found.values())
                 estimates.append(middle_of(f"{channel}.{name}", unit, up, down))
             means.append(np.array([e.value for e in estimates[-3:]]))
-            sides_found += [(rows[:, 0].mean(), rows[:, 2].mean()) for rows in found.values()]
+            for side, fits in found.items():
+                sides_found[f"{channel} {side}"] = (
+                    float(fits[:, 0].mean()),
+                    float(fits[:, 2].mean()),
+                )
         bandwidth, damping, _ = np.mean(means, axis=0)
-        bandwidths, dead_times = np.transpose(sides_found)
+        bandwidths, dead_times = np.transpose(list(sides_found.values()))
+        # Of every chamber, whichever way its pressure goes.
+        dead_time = float(f"{dead_times.max():.3g}")
         values = {
             "regulator_response": {
-                "bandwidth": float(f"{bandwidth:.6g}"),
+                "bandwidth": f"{bandwidth:.6g} rad/s",
                 "damping": float(f"{damping:.6g}"),
-                # Of every chamber, whichever way its pressure goes.
-                "dead_time": float(f"{dead_times.max():.3g}"),
+                "dead_time": quantity(dead_time, "s"),
                 "spread": float(f"{np.abs(bandwidths / bandwidth - 1.0).max():.3g}"),
             }
+        }
+        each = [f"{name} {format_quantity(dead, 's')}" for name, (_, dead) in sides_found.items()]
+        reasons = {
+            "regulator_response.bandwidth": "the mean of all chambers and both directions",
+            "regulator_response.damping": "the mean of all chambers and both directions",
+            "regulator_response.dead_time": (
+                "the longest of all chambers and both directions, which a law has to bear "
+                f"({', '.join(each)}); the estimates are the middle of both directions"
+            ),
+            "regulator_response.spread": (
+                "by how much of the bandwidth the farthest chamber and direction is off it"
+            ),
         }
         residuals = np.concatenate(rests)
         return (
             Finding(
-                profile.mechanism, values, estimates, residuals, "Pa", _BOUND, 2 * REPEATS, panels
+                profile.mechanism,
+                values,
+                estimates,
+                residuals,
+                "Pa",
+                _BOUND,
+                2 * REPEATS,
+                panels,
+                reasons=reasons,
             ),
         )
 
