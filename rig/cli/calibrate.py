@@ -13,12 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-<<<<<<< HEAD
 from rig.cli.calibration_found import as_data, show_found
 from rig.cli.given_options import given_options
-=======
-from rig.cli.findings import show_findings
->>>>>>> 28ca73b5 (rig calibrate response says which dead time is put in force, and why)
 from rig.cli.loops import known_loops, loops_of
 from rig.cli.names import (
     complete_rig,
@@ -242,7 +238,6 @@ def _calibrate(
         click.echo(f"interrupted; what was recorded is kept, go on with: {again}", err=True)
         return 130
     loops = _loops(profile, search, options, calibrated)
-<<<<<<< HEAD
     done.append(as_data(procedure, calibrated, loops))
     show_found(procedure, calibrated, quiet=options["as_json"])
     known.update(loops)
@@ -251,10 +246,6 @@ def _calibrate(
 
 def _tell_loops(profile: Profile, loops: dict[str, ClosedLoop], *, quiet: bool) -> None:
     """Show once, after all procedures, how far the loops are from instability now."""
-=======
-    done.append(_as_data(procedure, calibrated, loops))
-    show_findings(procedure, calibrated, quiet=options["as_json"])
->>>>>>> 28ca73b5 (rig calibrate response says which dead time is put in force, and why)
     tables, sentences = loops_of(profile, loops)
     if not quiet:
         print_tables(tables)
@@ -377,31 +368,6 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     return click.confirm("Go?", default=False, err=True)
 
 
-<<<<<<< HEAD
-=======
-def _as_data(
-    procedure: AnyProcedure, done: Calibrated, loops: dict[str, ClosedLoop]
-) -> dict[str, object]:
-    """Return what was found as plain data, SI."""
-    return {
-        "procedure": procedure.name,
-        "title": procedure.title,
-        "found": [
-            {
-                "of": finding.target,
-                "estimates": [estimate._asdict() for estimate in finding.estimates],
-                "not_found": list(finding.notes),
-                "reasons": dict(finding.reasons),
-            }
-            for finding in done.findings
-        ],
-        "files": list(done.files),
-        "figures": list(done.figures),
-        "loops": {name: loop._asdict() for name, loop in loops.items()},
-    }
-
-
->>>>>>> 28ca73b5 (rig calibrate response says which dead time is put in force, and why)
 def _loops(
     profile: Profile, search: Sequence[Path], options: dict[str, Any], done: Calibrated
 ) -> dict[str, ClosedLoop]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import click
@@ -26,6 +27,7 @@ def as_data(
                 "of": finding.target,
                 "estimates": [estimate._asdict() for estimate in finding.estimates],
                 "not_found": list(finding.notes),
+                "reasons": dict(finding.reasons),
             }
             for finding in done.findings
         ],
@@ -36,7 +38,7 @@ def as_data(
 
 
 def show_found(procedure: AnyProcedure, done: Calibrated, *, quiet: bool) -> None:
-    """Show what was found, what was not, and the files that were written."""
+    """Show what was found, what of it is in force and why, what was not found, and the files."""
     from rig.config import format_to
 
     rows = []
@@ -47,7 +49,18 @@ def show_found(procedure: AnyProcedure, done: Calibrated, *, quiet: bool) -> Non
             rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
     if not quiet:
         print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
+    for finding in done.findings:
+        for name, reason in finding.reasons.items():
+            said = f"{name} {_value_under(name, finding.values)}"
+            click.echo(f"put in force: {said}: {reason}", err=True)
     for note in dict.fromkeys(note for finding in done.findings for note in finding.notes):
         click.echo(f"not found: {note}", err=True)
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)
+
+
+def _value_under(name: str, values: object) -> object:
+    """Return the value of a dotted name."""
+    for key in name.split("."):
+        values = values[key] if isinstance(values, Mapping) else None
+    return values

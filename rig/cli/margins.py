@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -48,7 +47,6 @@ _UNITS = {"crossover": "rad/s", "phase": "rad", "delay": "s", "sensitivity": "1"
     "--leave", is_flag=True,
     help="Leave tuned gains in force, though the loop be nearer to instability than before.",
 )  # fmt: skip
-@click.option("--operator", default=None, help="Who measures; default: the user's name.")
 @out_option
 @set_option
 @seed_option
@@ -61,7 +59,6 @@ def margins(
     controller: str,
     on: str,
     leave: bool,
-    operator: str | None,
     out: Path,
     overrides: tuple[str, ...],
     seed: int | None,
@@ -94,13 +91,11 @@ def margins(
     of_rig = split_overrides(given, rig, search)[1]
     profile = load_profile(rig, REGISTRY, of_rig, search)
     loop_teller(profile)
-    plan = load_plan(
-        f"{profile.mechanism}-margins", [*given, f"controller={controller}"], rig=rig,
-        configs=configs,
-    )  # fmt: skip
+    given.append(f"controller={controller}")
+    plan = load_plan(f"{profile.mechanism}-margins", given, rig=rig, configs=configs)
     if not may_move(plan, on, yes, uncommissioned):
         return EXIT_USAGE
-    result = _run(plan, on, out, given, uncommissioned)
+    result = _run(plan, on, out, [*given, f"rig={rig}"], uncommissioned)
     if result.exit_code not in (EXIT_OK, EXIT_MISSED):
         _tell_ended(result)
         return result.exit_code
@@ -108,7 +103,7 @@ def margins(
     figures = _keep(result.path, loops)
     back = None
     if loops.is_worse and not leave:
-        back = _put_back(plan, controller, loops, search, operator or getpass.getuser())
+        back = _put_back(plan, controller, loops, search)
     if as_json:
         print_json({"run": result.path, **_as_data(loops), "put_back": back})
     else:
@@ -134,7 +129,8 @@ def _run(
 
 
 def _tell_ended(result: Result) -> None:
-    click.echo(f"{result.status}: {result.message}", err=True)
+    if result.message is not None:
+        click.echo(f"{result.status}: {result.message}", err=True)
     click.echo(f"what it means, and what to check: rig explain {result.path}", err=True)
 
 
@@ -157,22 +153,17 @@ def _keep(run: Path, loops: LoopsBeside) -> list[Path]:
         return save(figure, folder.place(FIGURES), _FILE, imprint_of([folder]))[:1]
 
 
-def _put_back(
-    plan: Plan, controller: str, loops: LoopsBeside, search: Sequence[Path], operator: str
-) -> Path:
+def _put_back(plan: Plan, controller: str, loops: LoopsBeside, search: Sequence[Path]) -> Path:
     from rig.tuning.measured import put_back
 
     assert loops.former is not None
     assert loops.before is not None
     now, before = loops.now.margins.sensitivity, loops.before.margins.sensitivity
-    why = f"sensitivity measured {now:.3g}, before {before:.3g}"
-    path = put_back(
-        plan.profile, controller, loops.former, search, why=why,
-        operator=operator,
-    )  # fmt: skip
+    path = put_back(plan.profile, controller, loops.former, search)
     click.echo(
-        f"the tuned gains are nearer to instability on this rig ({why}): {loops.former.what} are "
-        "in force again; --leave would have left them",
+        f"the tuned gains are nearer to instability on this rig (sensitivity measured {now:.3g}, "
+        f"before {before:.3g}): {loops.former.what} are in force again; --leave would have left "
+        "them",
         err=True,
     )
     click.echo(str(path), err=True)
@@ -214,7 +205,7 @@ def _modelled(loop: MeasuredLoop) -> ClosedLoop:
 
 
 def _show(rig: str, controller: str, loops: LoopsBeside) -> None:
-    from rig.tuning.score import SENSITIVITY
+    from rig.hal.closed_loop import SENSITIVITY
 
     names = {
         "crossover": "crossover", "phase": "phase margin", "delay": "bears further dead time of",

@@ -1,8 +1,11 @@
 """How far a controlled loop is from instability."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-_MOST_SENSITIVE = 2.0
+SENSITIVITY: Final = 1.7
+"""The greatest that is asked of gains: the loop is then at least 1/1.7 from the critical point."""
+_MOST_SENSITIVE: Final = 2.0
+"""The greatest with which hardware runs without a reason: what wears and warms needs room."""
 
 
 class ClosedLoop(NamedTuple):

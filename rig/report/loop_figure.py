@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from rig.hal.closed_loop import SENSITIVITY
 from rig.hal.measured_loop import MeasuredLoop
 from rig.report.figure import panels
 from rig.report.style import BLUE, GREY, INK, PAGE, VERMILION, new_figure, place_legend
@@ -16,10 +17,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_SENSITIVE: Final = 1.7
-"""What `rig tune` asks of a loop."""
 _COLORS: Final = (BLUE, GREY)
 _GAINS: Final = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)
+_BEYOND: Final = 1.2
 _TICKS: Final = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
 
 
@@ -48,15 +48,16 @@ def draw_loops(loops: Mapping[str, MeasuredLoop]) -> "Figure":
     gain.set_yticks(gains, labels=[f"{tick:g}" for tick in gains])
     gain.minorticks_off()
     phase.axhline(-180.0, color=GREY, lw=0.5)
-    sensitivity.axhline(MOST_SENSITIVE, color=VERMILION, lw=0.8, ls=":")
+    sensitivity.axhline(SENSITIVITY, color=VERMILION, lw=0.8, ls=":")
     labels = (
         "gain of the open loop (1)",
         "phase (deg)",
-        f"sensitivity (1), at most {MOST_SENSITIVE}",
+        f"sensitivity (1), at most {SENSITIVITY:g}",
     )
+    measured = np.concatenate([loop.frequencies for loop in loops.values()])
+    low, high = measured.min() / _BEYOND, measured.max() * _BEYOND
     for axes, label in zip((gain, phase, sensitivity), labels, strict=True):
         axes.set_xscale("log")
-        low, high = f[0] / 1.2, f[-1] * 1.2
         axes.set_xlim(low, high)
         ticks = [tick for tick in _TICKS if low <= tick <= high]
         axes.set_xticks(ticks, labels=[f"{tick:g}" for tick in ticks])

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rig.hal.closed_loop import SENSITIVITY
 from rig.report.style import BLUE, GREY, INK, PAGE, VERMILION, new_figure, paper_style
-from rig.tuning.score import SENSITIVITY
 from rig.tuning.verdict import EnsembleVerdict
 
 if TYPE_CHECKING:

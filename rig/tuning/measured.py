@@ -2,25 +2,20 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
-from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-from rig.assembly import REGISTRY, controller_class, make_law
-from rig.calibration.store import Content, history, in_force, load, write
+from rig.assembly import REGISTRY, make_law
+from rig.calibration.put_back import restore, take_back
+from rig.calibration.store import history, load
 from rig.config import Profile, load_profile
 from rig.config.laid_over import TUNED
 from rig.config.ownership import owner_label
 from rig.hal import ConfigurationError
+from rig.hal.closed_loop import SENSITIVITY
 from rig.hal.measured_loop import MeasuredLoop
 from rig.report.data import RunData, load_run
-from rig.sweeping.code import code_version
-from rig.tuning.gains import nested, values_of, with_gains
-from rig.tuning.score import SENSITIVITY
-
-_HOLDS = 365.0
-"""Days after which gains should be looked at again."""
+from rig.tuning.gains import with_gains
 
 
 class Former(NamedTuple):
@@ -32,10 +27,13 @@ class Former(NamedTuple):
         Of the law.
     what : str
         Which they are, in words.
+    kept : Path or None
+        The file that keeps them; None: the profile has them.
     """
 
     settings: object
     what: str
+    kept: Path | None
 
 
 class LoopsBeside(NamedTuple):
@@ -128,14 +126,14 @@ def former_gains(
     now = profile.tunings.get(controller)
     if now is None:
         return None
-    kept = [load(path) for path in history(search, profile.name, f"{TUNED}{controller}")]
-    earlier = [one for one in kept if one["provenance"]["date"] < now.provenance.date]
     own = load_profile(profile.argument, REGISTRY, (*overrides, "calibration=false"), search)
-    if not earlier:
-        return Former(own.controllers[controller], "the profile's own")
-    latest = max(earlier, key=lambda one: one["provenance"]["date"])
-    settings = with_gains(own.controllers[controller], _flat(latest["values"]))
-    return Former(settings, f"those of {latest['provenance']['date']}")
+    parent = now.provenance.parent
+    for path in history(search, profile.name, f"{TUNED}{controller}") if parent else ():
+        kept = load(path)
+        if kept["provenance"]["date"] == parent:
+            settings = with_gains(own.controllers[controller], _flat(kept["values"]))
+            return Former(settings, f"those of {parent}", path)
+    return Former(own.controllers[controller], "the profile's own", None)
 
 
 def _flat(values: Mapping[str, object], above: str = "") -> dict[str, float]:
@@ -148,15 +146,7 @@ def _flat(values: Mapping[str, object], above: str = "") -> dict[str, float]:
     return found
 
 
-def put_back(
-    profile: Profile,
-    controller: str,
-    former: Former,
-    search: Sequence[Path],
-    *,
-    why: str,
-    operator: str,
-) -> Path:
+def put_back(profile: Profile, controller: str, former: Former, search: Sequence[Path]) -> Path:
     """Put former gains in force again; those that were in force stay among the kept ones.
 
     Raises
@@ -165,28 +155,7 @@ def put_back(
         The file cannot be written.
     """
     target = f"{TUNED}{controller}"
-    old = in_force(profile, search, target)
-    assert old is not None
-    moment = datetime.now(UTC)
-    tunables = getattr(controller_class(profile, controller), "tunables", ())
-    gains = values_of(tunables, former.settings)
-    content: Content = {
-        "values": nested(gains),
-        "measured": [
-            {"name": name, "value": gain, "unit": "", "std": 0.0, "interval": [gain, gain],
-             "procedure": "margins"}
-            for name, gain in gains.items()
-        ],
-        "provenance": {
-            **old["provenance"],
-            "procedure": "margins",
-            "date": moment.isoformat(timespec="seconds"),
-            "operator": operator,
-            "profile": owner_label(profile.files, search),
-            "parent": old["provenance"]["date"],
-            "valid_until": (moment + timedelta(days=_HOLDS)).date().isoformat(),
-            "software": f"rig-controller {metadata.version('rig-controller')}",
-            "conditions": {"put back": f"{former.what}: {why}", "code": code_version().digest},
-        },
-    }  # fmt: skip
-    return write(search[0], profile.name, target, content, "margins")
+    if former.kept is None:
+        return take_back(search, profile.name, target)
+    owner = owner_label(profile.files, search)
+    return restore(search, profile.name, target, former.kept.stem, owner)

@@ -5,10 +5,8 @@ from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
 from rig.hal.bench import Trial
-from rig.hal.closed_loop import ClosedLoop
+from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 
-SENSITIVITY: Final = 1.7
-"""Greatest sensitivity that a loop may have: it is then at least 1/1.7 from the critical point."""
 REVERSALS: Final = 25.0
 """So often may a setpoint turn round by 25 kPa, 1/s: a valve's life is counted in them."""
 STRAYED: Final = 0.8

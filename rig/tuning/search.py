@@ -15,6 +15,7 @@ from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.hal.closed_loop import SENSITIVITY
 from rig.sweeping.best import KEEP_ALL, Best
 from rig.sweeping.code import code_version
 from rig.sweeping.coordinator import Coordinator, Limits
@@ -26,7 +27,7 @@ from rig.sweeping.progress import SweepProgress
 from rig.tuning.candidate import PERFORM, job_of
 from rig.tuning.ensemble import Member
 from rig.tuning.gains import gains_at, place_of, values_of
-from rig.tuning.score import SENSITIVITY, score
+from rig.tuning.score import score
 from rig.tuning.workbench import Request, Workbench
 
 GENERATION: Final = 12

@@ -7,9 +7,9 @@ import numpy as np
 
 from rig.config import format_quantity
 from rig.hal.bench import Trial
-from rig.hal.closed_loop import ClosedLoop
+from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.ensemble import Member
-from rig.tuning.score import QUIET, REVERSALS, SENSITIVITY, score
+from rig.tuning.score import QUIET, REVERSALS, score
 from rig.tuning.workbench import Workbench
 
 DRAWN = 200

@@ -1,11 +1,8 @@
 """`rig calibrate` from the command line to the file, and back into a profile."""
 
 import json
-<<<<<<< HEAD
-import shlex
-=======
 import re
->>>>>>> 28ca73b5 (rig calibrate response says which dead time is put in force, and why)
+import shlex
 import shutil
 
 import pytest

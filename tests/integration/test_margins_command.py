@@ -25,8 +25,8 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
-def tuned(place, age, **gains):
-    """Put gains in force as `rig tune` does, so many days ago."""
+def tuned(place, age, parent=None, **gains):
+    """Put gains in force as `rig tune` does, so many days ago, over those of a date."""
     moment = (datetime.now(UTC) - timedelta(days=age)).isoformat(timespec="seconds")
     content = {
         "values": gains,
@@ -37,7 +37,7 @@ def tuned(place, age, **gains):
         ],
         "provenance": {
             "procedure": "tune", "date": moment, "operator": "somebody", "backend": "profile",
-            "profile": "rigs/cylinder.yaml",
+            "profile": "rigs/cylinder.yaml", **({} if parent is None else {"parent": parent}),
         },
     }  # fmt: skip
     return write(place / "configs", "cylinder", TARGET, content, "tune")
@@ -75,14 +75,16 @@ def test_gains_that_are_worse_on_the_rig_are_taken_back(place, capfd):
     assert found["before"]["gains"] == "the profile's own"
     assert found["now"]["sensitivity"]["measured"] > found["before"]["sensitivity"]["measured"]
     assert "the tuned gains are nearer to instability on this rig" in err
-    assert cascade(place) == own
-    back = yaml.safe_load(file.read_text())["provenance"]
-    assert back["conditions"]["put back"].startswith("the profile's own: sensitivity measured")
+    assert cascade(place) == own and not file.exists()
 
-    tuned(place, -1.0, position_rate=160.0, velocity_rate=160.0)
+    tuned(place, 2.0, position_rate=100.0, velocity_rate=100.0)  # not over those taken back
+    assert measured(capfd)[1]["before"]["gains"] == "the profile's own"
+    softer = yaml.safe_load(file.read_text())["provenance"]
+    tuned(place, 1.0, softer["date"], position_rate=160.0, velocity_rate=160.0)
     code, found, err = measured(capfd)
-    assert code == 1 and found["before"]["gains"] == f"those of {back['date']}"
-    assert cascade(place) == own
+    assert code == 1 and found["before"]["gains"] == f"those of {softer['date']}"
+    assert cascade(place).position_rate == 100.0
+    assert yaml.safe_load(file.read_text())["provenance"]["date"] == softer["date"]
 
 
 def test_gains_that_are_worse_stay_if_that_is_asked_for(place, capfd):

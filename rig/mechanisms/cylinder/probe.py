@@ -17,9 +17,12 @@ from rig.hal.motion import Segment
 from rig.mechanisms.cylinder.references import Duration, PairMotion, Ramp
 
 _TAPER = 6.0
-"""Hz: up to here all sines shake with the same speed, beyond with the same force and less."""
+"""Hz: up to here all sines shake with the same speed. Beyond, it falls with the square of the
+frequency: what a slow regulator has to do for a speed grows as fast."""
 _FADE = 0.1
 """s, at the end of a glide."""
+_FINE = 2000
+"""Instants of a period at which the greatest speed of the shake is looked for."""
 _HARMONICS = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20)
 
 
@@ -137,10 +140,6 @@ class Probe(PairMotion):
         if into > end - _FADE:
             return minimum_jerk(1.0, 0.0, _FADE, into - end + _FADE)
         return 1.0, 0.0, 0.0
-
-
-_FINE = 2000
-"""Instants of a period at which the greatest speed of the shake is looked for."""
 
 
 def _sum(lines: Sequence[tuple[float, float, float]], t: float) -> tuple[float, float, float]:

@@ -6,10 +6,10 @@ import pytest
 
 from controllers.base import Tunable
 from rig.hal.bench import Trial
-from rig.hal.closed_loop import ClosedLoop
+from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.candidate import cost_of
 from rig.tuning.gains import place_of
-from rig.tuning.score import LOST, SENSITIVITY
+from rig.tuning.score import LOST
 from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch
 from rig.tuning.workbench import Request
 
