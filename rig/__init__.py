@@ -15,6 +15,10 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
+from rig.arithmetic import round_alike
+
+round_alike()
+
 # Images are somebody's files, and one of a megabyte may say that it has a thousand million pixels.
 # OpenCV asks once, when it is imported: 8000 by 8000 are enough.
 os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(1 << 26))

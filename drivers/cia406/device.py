@@ -272,7 +272,9 @@ class Cia406Encoder(IdentifiedDevice, LinearEncoder):
             return
         wrapped = abs(counts - before) > self._half_turn
         self._trouble = self._fault(
-            "the position counter wrapped around" if wrapped else "the position jumped",
+            "the position counter wrapped around"
+            if wrapped
+            else "the position jumped, or the rod was pushed",
             f"{jump:+.6g} m",
             f"{reach:.3g} m",
         )

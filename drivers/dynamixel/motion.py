@@ -10,7 +10,7 @@ from drivers.servos.encoder_watch import EncoderWatch
 from drivers.servos.following_error import FollowingWatch
 from rig.hal import Reading, Vector
 
-_JUMP: Final = 2.0  # times the greatest speed: faster is no motion that was asked for
+_JUMP: Final = 1.5  # times the greatest speed: faster is no motion that was asked for
 
 
 class MotionWatch:

@@ -1,5 +1,9 @@
 """Hazards that nothing could have kept off: where they are forgiven, and why."""
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from rig.faults.kind import Plight
 from rig.faults.subject import Subject
 
@@ -42,13 +46,26 @@ def lets_fall(plight: Plight) -> frozenset[str]:
 
 
 def drops_a_leg(plight: Plight) -> frozenset[str]:
-    """Forgive a fall where the one leg that bears has a joint without torque.
+    """Forgive a fall where the leg that bears the weight has a joint without torque.
 
-    On both feet the other leg holds.
+    On both feet the other leg holds, until the waist is over the ankle of the one that lets go.
     """
     leg = plight.place.axis.partition("_")[0]
     loads = {name for name, load in plight.truth.items() if name.startswith("load_") and load > 0.0}
-    return frozenset({"fall"}) if loads == {f"load_{leg}"} else frozenset()
+    is_over = _way_to(leg, plight.truth) >= 1.0
+    return frozenset({"fall", "rate"}) if is_over or loads == {f"load_{leg}"} else frozenset()
+
+
+def _way_to(leg: str, truth: Mapping[str, float]) -> float:
+    """Return how far the waist is over to a leg: 0 over the other one's ankle, 1 over its own."""
+    other = {"left": "right", "right": "left"}.get(leg)
+    if f"{leg}_foot_y" not in truth:
+        return 0.0
+    here, there, waist = (
+        np.array([truth[f"{part}_{axis}"] for axis in "xy"])
+        for part in (f"{leg}_foot", f"{other}_foot", "waist")
+    )
+    return float((waist - there) @ (here - there) / ((here - there) @ (here - there)))
 
 
 def lets_fall_unseen(plight: Plight) -> frozenset[str]:

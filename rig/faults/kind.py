@@ -157,7 +157,8 @@ class FaultKind:
     within : float
         How soon it must be seen, s, where it must.
     filling : float
-        How soon while chambers fill, s, if that takes longer: what moves little shows little.
+        How soon while chambers fill and drives are enabled, s, if that takes longer: what moves
+        little shows little.
     in_motion : bool
         Whether only motion shows it: the orderly stop, which moves everything, counts for it.
     shows : callable

@@ -38,7 +38,7 @@ KINDS = (
                fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"), excuses=lets_fall,
                why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
     of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1,
-               excuses=drops_a_leg),
+               filling=1.0, excuses=drops_a_leg),
     of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
     of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1,
                excuses=drops_a_leg),

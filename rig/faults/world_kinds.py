@@ -341,7 +341,7 @@ CAMERAS = tuple(
 
 SURROUNDINGS = (
     of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
-               ("struck", "from where it was sent", "does not follow"),
+               ("struck", "from where it was sent", "was sent and does not go", "does not follow"),
                magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=topples,
                why="nothing measures a push; more than 0.3 N s moves the capture point by 8 mm, "
                "all the margin of a step"),

@@ -1,10 +1,10 @@
-"""What rounds: on other libraries or another processor the last bits of a number may differ."""
+"""What rounds: other libraries, or a processor of other instructions, may differ in last bits."""
 
 import json
 import math
+import os
 import platform
 
-import llvmlite.binding
 import numba
 import numpy as np
 import scipy
@@ -16,14 +16,14 @@ NEARLY = 1e-6
 
 
 def arithmetic():
-    """Return the versions and the processor that decide how a number is rounded."""
+    """Return the versions and the instructions that decide how a number is rounded."""
     features = np.lib.introspect.opt_func_info(func_name="^sin$", signature="float64")
     return {
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "numba": numba.__version__,
         "libc": " ".join(platform.libc_ver()),
-        "processor": llvmlite.binding.get_host_cpu_name(),
+        "kernels": os.environ.get("OPENBLAS_CORETYPE"),
         "sine": json.dumps(features, sort_keys=True),
     }
 

@@ -115,7 +115,7 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         if moved > bound or -moved > bound:
             raise DeviceFault(
                 self.name,
-                "its position jumped",
+                "its position jumped, or the rod was pushed",
                 value=f"{abs(moved):.6g} m",
                 bound=f"{bound:.6g} m",
             )

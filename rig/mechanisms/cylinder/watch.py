@@ -217,7 +217,9 @@ class PairWatch:
             return cause
         slack = "" if change > 0.0 else "a wire is slack, or "
         pulled = min(self._history[-1].pulls) >= self._taut * self._area
-        pushed = "" if pulled else "; or the carriage was pushed while its wires were slack"
+        pushed = "; or the carriage was pushed"
+        if not pulled:
+            pushed += " while its wires were slack"
         return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale{pushed}"
 
     def _explain_still(self) -> str | None:
