@@ -49,12 +49,34 @@ def test_only_a_leg_that_bears_on_a_servo_with_one_loop_may_fold(kind, seed):
 def test_a_leg_that_bears_alone_folds_without_torque_and_not_beside_the_other(kind):
     chance = random.Random(kind)
     for bears, both, forgiven in (
-        (True, False, {"fall"}), (False, False, set()), (True, True, set()), (False, True, set()),
+        (True, False, {"fall", "rate"}), (False, False, set()), (True, True, set()),
+        (False, True, set()),
     ):  # fmt: skip
         row, case = plight(chance, kind, bears=bears)
         stands = {name: load or 20.0 for name, load in case.truth.items()}
         assert row.excuses(case._replace(truth=stands) if both else case) == forgiven
     assert row.excuses(case._replace(truth={"position": 0.0})) == frozenset()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_over_the_ankle_that_lets_go_both_feet_hold_nothing(seed):
+    chance = random.Random(seed)
+    row, case = plight(chance, "overheated", bears=True)
+    leg = case.place.axis.partition("_")[0]
+    other = {"left": "right", "right": "left"}[leg]
+    here, there = (complex(*(chance.uniform(-0.1, 0.1) for _ in "xy")) for _ in "lr")
+    for share, aside, forgiven in (
+        (1.0 + chance.uniform(1e-6, 0.3), chance.uniform(-1, 1), {"fall", "rate"}),
+        (1.0 - chance.uniform(1e-6, 1.0), chance.uniform(-1, 1), set()),
+    ):
+        waist = there + complex(share, aside) * (here - there)
+        feet = {
+            f"{part}_{axis}": value
+            for part, at in ((f"{leg}_foot", here), (f"{other}_foot", there), ("waist", waist))
+            for axis, value in (("x", at.real), ("y", at.imag))
+        }
+        stands = feet | {"load_left": 20.0, "load_right": 20.0}
+        assert row.excuses(case._replace(truth=stands)) == forgiven
 
 
 @pytest.mark.parametrize("seed", range(5))
