@@ -43,6 +43,16 @@ def test_figures_are_what_their_command_makes(command, said, tmp_path):
     for number, claim in said:
         decimals = len(number.partition(".")[2])
         assert f"{FIGURES.value_of(claim, rows):.{decimals}f}" == number, claim
+    ended = {row["variation"]: row["status"] for row in rows if row.get("variation")}
+    for name in stopped(command):
+        assert ended[name] == "faulted", name
+
+
+def stopped(command):
+    """Return the variations of a sweep that its table says are stopped."""
+    for block, _ in blocks():
+        if f"<!--= {command};" in block:
+            yield from re.findall(r"^\| (.+?) \| stopped: ", block, re.MULTILINE)
 
 
 def blocks():
