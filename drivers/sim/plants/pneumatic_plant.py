@@ -162,8 +162,9 @@ class PneumaticPlant(ABC):
         steps = int(t / self._dt + 1e-6) - self._steps
         if steps <= 0:
             return
-        if self.time < self._push.ends <= t:
-            self._run(min(steps, math.ceil((self._push.ends - self.time) / self._dt - 1e-6)))
+        if self._push.ends <= t:  # where it ends with a substep, that may be done already
+            left = math.ceil((self._push.ends - self.time) / self._dt - 1e-6)
+            self._run(min(steps, max(left, 0)))
             self._push.end()
         self._run(int(t / self._dt + 1e-6) - self._steps)
         self._next_noise()

@@ -28,7 +28,8 @@ ATTENTIVE = {
 def pressure_bounds(**alarm):
     """Return attentive bounds with others put in; a setpoint that stands is given as much time."""
     said = ATTENTIVE | alarm
-    return PressureBounds(**({"unasked": said["time"]} | said))
+    as_late = {"unasked": said["time"], "stray": said["deviation"]}
+    return PressureBounds(**(as_late | said))
 
 
 class Bench:

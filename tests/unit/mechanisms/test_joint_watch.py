@@ -190,7 +190,7 @@ def test_a_stuck_regulator_is_named_in_the_alarms_time():
     bench.joint.write((BASE,) * 4)
     assert bench.regulators.sent == [(BASE,) * 4]
     bench.cycles(4)
-    bench.regulators.reads = off((BASE,) * 4, 2, 41e3)
+    bench.regulators.reads = off((BASE,) * 4, 2, 45e3)
     bench.cycles(5)  # 3.9 ms: nobody has asked for it
     with pytest.raises(SafetyError, match=r"^regulators: the regulator of ch2 is stuck open"):
         bench.cycles(1)

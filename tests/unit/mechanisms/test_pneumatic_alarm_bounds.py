@@ -164,7 +164,21 @@ def test_bounds_follow_as_they_are_documented():
         0.022 * (high - low) + step * (0.54 * 0.05 + 0.37 * 40.0 * 1e-3), rel=0.04
     )
     slow = 0.05 / 0.95 + 0.02
-    assert bounds[1:] == pytest.approx((0.05, 0.005, 0.022 * high, slow, 0.005 * high))
+    assert bounds[1:] == pytest.approx(
+        (0.05, min(0.066 * high, bounds.deviation), 0.005, 0.022 * high, slow, 0.005 * high)
+    )
+
+
+def test_what_is_asked_soon_may_be_pushed_further():
+    """3 times what rest permits, more where it is asked within 5 ms, and never more than a step."""
+    settings, _ = drawn(5)
+    high = settings.limits.pressure[1]
+    for time, deviation, stray in (
+        (0.05, high, 0.066 * high), (0.5, high, 0.066 * high), (0.02, high, 2.5 * 0.066 * high),
+        (0.02, 9.0, 9.0),
+    ):  # fmt: skip
+        said = PressureAlarm(deviation=deviation, time=time)
+        assert derive_bounds(said, settings).stray == pytest.approx(stray)
 
 
 def test_a_step_down_counts_if_it_is_the_greater_one():
@@ -180,7 +194,7 @@ def test_a_step_down_counts_if_it_is_the_greater_one():
 def test_a_profile_may_say_otherwise():
     settings, _ = drawn(7)
     said = derive_bounds(PressureAlarm(1e3, 2.0, 3e3, 4.0), settings)
-    assert said[:5] == (1e3, 2.0, 0.2, 3e3, 4.0)
+    assert said[:6] == (1e3, 2.0, 1e3, 0.2, 3e3, 4.0)
     assert [item.value for item in expect_bounds(said)] == list(said)
 
 

@@ -149,7 +149,7 @@ def test_a_pressure_that_creeps_away_from_its_setpoint_may_be_of_what_is_stuck(w
 
 
 def test_no_channels_are_no_suspicion():
-    bounds = PressureBounds(0.5, 1.0, 1.0, NEVER, NEVER, 0.0)
+    bounds = PressureBounds(0.5, 1.0, 0.5, 1.0, NEVER, NEVER, 0.0)
     assert PressureWatch(bounds, RegulatorModel(), CHANNELS, "valves").suspicion() is None
 
 
@@ -234,7 +234,7 @@ def test_bounds_themselves_are_kept(way):
 
 
 def test_what_jumps_at_the_second_reading_has_its_time_too():
-    bounds = PressureBounds(DEVIATION, 4 * STEP, 4 * STEP, NEVER, 0.4, 2.5e3)
+    bounds = PressureBounds(DEVIATION, 4 * STEP, DEVIATION, 4 * STEP, NEVER, 0.4, 2.5e3)
     watch = PressureWatch(bounds, RegulatorModel(), CHANNELS, "valves")
     watch.send((START,) * 4)
     watch.check((START,) * 4, 100.0)
@@ -250,9 +250,7 @@ def test_means_are_taken_over_their_times():
     """The mean over four time constants, what is usual over 5 s, slowness over 1 s."""
     rng = np.random.default_rng(5)
     response = RegulatorModel(40.0, 1.0)
-    watch = PressureWatch(
-        PressureBounds(NEVER, NEVER, NEVER, NEVER, NEVER, 0.0), response, ["a"], "v"
-    )
+    watch = PressureWatch(PressureBounds(*[NEVER] * 6, 0.0), response, ["a"], "v")
     watch.send([START])
     watch.check([START], 100.0)
     offs, usuals, lags, now = [], [], [], 100.0

@@ -79,6 +79,19 @@ def test_a_push_gives_its_impulse_however_time_is_cut():
         assert truth["velocity"] == pytest.approx(0.01 / mass, rel=2e-3)
 
 
+@pytest.mark.parametrize("begins", range(8))
+def test_a_push_ends_though_a_substep_ended_with_it(begins):
+    """Time that is a hair short of its end counts for the substep that ends there."""
+    plant = pair(1)
+    plant.advance(begins * 1e-3)
+    plant.inject("along.carriage_push", 1.0)
+    ends = plant._push.ends
+    plant.advance(ends - 1e-12)
+    plant.advance(ends + 5e-3)
+    assert math.isinf(plant._push.ends)
+    assert not plant.pair["push"].any()
+
+
 def test_a_push_is_a_finite_number():
     for plant, place in ((pair(1), "along.carriage_push"), (joint(1), "left.ring_push")):
         with pytest.raises(ValueError, match="finite impulse"):

@@ -56,8 +56,24 @@ class _Channel:
     """
 
     __slots__ = (
-        "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "off", "power",
-        "prompt", "prompt_rate", "quick_at", "rate", "slow", "slow_rate", "usual", "well_at",
+        "expected",
+        "held",
+        "jump",
+        "lag_mean",
+        "lag_power",
+        "likeness",
+        "mean",
+        "near_at",
+        "off",
+        "power",
+        "prompt",
+        "prompt_rate",
+        "quick_at",
+        "rate",
+        "slow",
+        "slow_rate",
+        "usual",
+        "well_at",
     )  # fmt: skip
 
     def __init__(self, pressure: float, now: float) -> None:
@@ -65,7 +81,7 @@ class _Channel:
         self.rate = self.prompt_rate = self.slow_rate = 0.0
         self.off = self.mean = self.usual = self.jump = 0.0
         self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
-        self.well_at = self.quick_at = now
+        self.well_at = self.quick_at = self.near_at = now
 
     def answer(self, acting: float, latest: float, step: float, pull: float, drag: float) -> None:
         """Let the healthy and the slow regulators go on by a step, s.
@@ -90,6 +106,16 @@ class _Channel:
         """Note how far a pressure is off the healthy ones, Pa: 0 between them."""
         late, prompt = self.expected, self.prompt
         self.off = max(pressure - max(late, prompt), 0.0) + min(pressure - min(late, prompt), 0.0)
+
+    def strays(self, pressure: float, setpoint: float, most: float) -> bool:
+        """Return whether nothing late explains a pressure: it is beside all of its way, Pa."""
+        late, prompt, slow = self.expected, self.prompt, self.slow
+        pressure -= self.usual
+        return not (
+            min(late, prompt, slow, setpoint) - most
+            <= pressure
+            <= max(late, prompt, slow, setpoint) + most
+        )
 
     def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
         """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
@@ -199,8 +225,8 @@ class PressureWatch:
         step = now - self._then
         self._then = now
         bounds = self._bounds
-        deviation, most = bounds.deviation, bounds.offset
-        alike = _ALIKE * deviation
+        deviation, most, stray = bounds.deviation, bounds.offset, bounds.stray
+        alike = _ALIKE * min(deviation, stray)
         pull, drag = step * self._stiffness, step * self._drag
         mean = step / (self._mean_time + step)
         usual = step / (min(now - self._began + self._mean_time, _USUAL) + step)
@@ -215,7 +241,11 @@ class PressureWatch:
                 channel.held = pressure
             if -deviation <= off <= deviation:
                 channel.well_at = now
-            elif now - channel.well_at > self._patience(k):
+            elif now - channel.well_at > bounds.time:
+                long_off = True
+            if not channel.strays(pressure, setpoints[k], stray):
+                channel.near_at = now
+            elif now - channel.near_at > bounds.unasked:
                 long_off = True
             jump = max(channel.jump, abs(off - before))
             channel.jump = 0.0 if -most < off - channel.usual < most else jump
@@ -246,23 +276,28 @@ class PressureWatch:
         self._ways.clear()
         self._frozen.begin(self._pressures, now)
 
-    def _patience(self, k: int) -> float:
-        """Return for how long one may be off, s: less where its setpoint has not moved."""
-        bounds = self._bounds
-        moves = abs(self._setpoints[k] - self._channels[k].slow) > _ALIKE * bounds.deviation
-        return bounds.time if moves else bounds.unasked
-
     def _raise_off(self, now: float) -> None:
-        bounds = self._bounds
-        channels = self._channels
-        k = max(range(len(channels)), key=lambda k: now - channels[k].well_at - self._patience(k))
-        channel = channels[k]
+        bounds, channels = self._bounds, self._channels
+
+        def overdue(k: int) -> tuple[float, bool]:
+            off = now - channels[k].well_at - bounds.time
+            strayed = now - channels[k].near_at - bounds.unasked
+            return max(off, strayed), strayed > off
+
+        k = max(range(len(channels)), key=overdue)
+        channel, (_, strayed) = channels[k], overdue(k)
+        since, most, time = (
+            (channel.near_at, bounds.stray, bounds.unasked)
+            if strayed
+            else (channel.well_at, bounds.deviation, bounds.time)
+        )
+        late = ", even of a late one," if strayed else ""
         raise PressureOff(
             f"{self._device}: {self._explain()} [{self._names[k]}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
-            f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
-            f"{bounds.deviation * 1e-3:.0f} kPa for {self._patience(k):.3g} s]"
+            f"healthy {self._part}{late} for {now - since:.3f} s, at most "
+            f"{most * 1e-3:.0f} kPa for {time:.3g} s]"
         )
 
     def _check_jumps(self, pressures: Sequence[float], healthy: list[float], step: float) -> None:
@@ -359,7 +394,7 @@ class PressureWatch:
         alone = all(pressure <= here + alike for pressure in self._pressures)
         supply = ", or the supply pressure is lost" if alone else ""
         change = here - channel.held
-        moved = _MOVED * self._bounds.deviation
+        moved = _MOVED * min(self._bounds.deviation, 2.0 * self._bounds.stray)
         if channel.off > 0.0:
             if change > moved:
                 return f"the {part} of {name} is stuck open: its pressure rises{monitor}"
