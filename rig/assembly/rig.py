@@ -1,7 +1,7 @@
 """A rig that has been built: buses, devices and mechanism on one backend."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from enum import StrEnum
 from math import inf
 from pathlib import Path
@@ -53,6 +53,11 @@ class Rig:
         In simulation: the plant's true values.
     waits : WatchfulClock, optional
         The clock by which buses and devices wait, if they take any time to be connected.
+
+    Attributes
+    ----------
+    closing : callable
+        Returns the context in which it is closed: whoever hears signals holds them back there.
     """
 
     def __init__(
@@ -82,6 +87,7 @@ class Rig:
         self._release = release
         self._stop = mechanism.stop_input()
         self._waits = waits or WatchfulClock(clock)
+        self.closing: Callable[[], AbstractContextManager[None]] = nullcontext
 
     def __enter__(self) -> "Rig":
         try:
@@ -219,7 +225,7 @@ class Rig:
             *[bus.close for bus in buses],
             self._release,
         ]
-        with ExitStack() as stack:
+        with self.closing(), ExitStack() as stack:
             for step in reversed(steps):
                 stack.callback(step)
 

@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import click
 
@@ -28,13 +28,32 @@ from rig.cli.tables import Table, print_data, print_tables
 if TYPE_CHECKING:
     from rig.assembly import Backend, Rig
     from rig.commissioning.operator import Operator
+    from rig.commissioning.site import Site
     from rig.commissioning.step import AcceptanceStep
+    from rig.commissioning.stopping import StepInterrupts
     from rig.config import Profile
     from rig.hal.world import BreakableWorld
 
 EXIT_FAILED = 3
 _UNDER_WAY = 20e-3
 """For so long frames may be under way, s."""
+
+
+class _Options(TypedDict):
+    """The options, as click has read them."""
+
+    on: str
+    answers: Path | None
+    anew: bool
+    dry_run: bool
+    operator: str | None
+    valid_for: int
+    yes: str | None
+    out: Path
+    overrides: tuple[str, ...]
+    seed: int | None
+    configs: Path | None
+    as_json: bool
 
 
 @click.command()
@@ -60,22 +79,18 @@ _UNDER_WAY = 20e-3
 @seed_option
 @configs_option
 @json_option
-def commission(rig: str, **options: Any) -> int:
+def commission(rig: str, **options: Unpack[_Options]) -> int:
     """Test RIG step by step before it is used, and write configs/commissioning/RIG.yaml.
 
     Nothing is energised before its step. What has passed is kept: after a failure, mend the rig
     and say the same again. Simulated hands do in a simulation what a person does at a rig.
     """
-    from rig.assembly import REGISTRY, Backend, backend_of, build_rig, check_profile
-    from rig.commissioning.record import FOLDER, read_answers
-    from rig.commissioning.session import CommissioningFacts, begin, steps_of
-    from rig.commissioning.session import commission as commission_rig
-    from rig.commissioning.site import Site
+    from rig.assembly import REGISTRY, check_profile
+    from rig.commissioning.record import read_answers
+    from rig.commissioning.session import steps_of
+    from rig.commissioning.stopping import StepInterrupts
     from rig.config import load_profile
-    from rig.config.names import find_configs, say_where
-    from rig.experiment.ending import EXIT_INTERRUPTED
-    from rig.hal import ConfigurationError
-    from rig.hal.files import check_writable
+    from rig.config.names import find_configs
 
     search = find_configs(options["configs"])
     overrides = with_seed(options["overrides"], options["seed"])
@@ -86,6 +101,27 @@ def commission(rig: str, **options: Any) -> int:
         read_answers(options["answers"])
     if options["dry_run"]:
         return _show(profile, steps, as_json=options["as_json"])
+    with StepInterrupts() as stop:
+        return _commission(profile, steps, search, options, stop)
+
+
+def _commission(
+    profile: Profile,
+    steps: Sequence[AcceptanceStep],
+    search: Sequence[Path],
+    options: _Options,
+    stop: StepInterrupts,
+) -> int:
+    """Take the steps; a request to stop ends them with the rig made safe."""
+    from rig.assembly import Backend, backend_of
+    from rig.commissioning.record import FOLDER
+    from rig.commissioning.session import CommissioningFacts, begin
+    from rig.commissioning.session import commission as commission_rig
+    from rig.config.names import say_where
+    from rig.experiment.ending import EXIT_INTERRUPTED
+    from rig.hal import ConfigurationError
+    from rig.hal.files import check_writable
+
     on, backend = options["on"], backend_of(options["on"])
     if backend is Backend.SIM:
         raise ConfigurationError("--on sim has no buses and no drivers, so nothing to test")
@@ -96,13 +132,7 @@ def commission(rig: str, **options: Any) -> int:
         (options["out"], "run folders"),
     ):
         check_writable(folder, what)
-    other = None if on in list(Backend) else on
-    hands = _hands(profile, backend, other)
-    site = Site(
-        profile, lambda its: _rested(build_rig(its, backend, other)),
-        _operator(backend.is_simulated or hands is not None, options["answers"]),
-        options["out"], other, hands,
-    )  # fmt: skip
+    site = _site(profile, options, stop)
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
     click.echo(f"the record of {profile.name} is kept in {say_where(search[0])}", err=True)
@@ -112,8 +142,9 @@ def commission(rig: str, **options: Any) -> int:
         stopped = commission_rig(
             site, record, steps, search[0], lambda text: click.echo(text, err=True)
         )
-    except KeyboardInterrupt:
-        click.echo(f"interrupted; what has passed is kept, go on with: {again}", err=True)
+    except (KeyboardInterrupt, click.Abort) as error:  # the latter where somebody is asked
+        safe = f"the rig could not be made safe: {error}" if str(error) else "the rig is made safe"
+        click.echo(f"interrupted; {safe}; what has passed is kept, go on with: {again}", err=True)
         return EXIT_INTERRUPTED
     if options["as_json"]:
         print_data(json.dumps(record, indent=2, ensure_ascii=False, default=str))
@@ -127,6 +158,24 @@ def commission(rig: str, **options: Any) -> int:
     else:
         click.echo(f"a rehearsal; next: rig commission {profile.argument} --on hardware", err=True)
     return 0
+
+
+def _site(profile: Profile, options: _Options, stop: StepInterrupts) -> Site:
+    """Return where the steps are taken; whatever closes a rig there is not interrupted."""
+    from rig.assembly import Backend, backend_of, build_rig
+    from rig.commissioning.site import Site
+
+    on, backend = options["on"], backend_of(options["on"])
+    other = None if on in list(Backend) else on
+    hands = _hands(profile, backend, other)
+
+    def make_rig(its: Profile) -> Rig:
+        rig = _rested(build_rig(its, backend, other))
+        rig.closing = stop.held_back
+        return rig
+
+    operator = _operator(backend.is_simulated or hands is not None, options["answers"])
+    return Site(profile, make_rig, operator, options["out"], other, hands)
 
 
 def _hands(profile: Profile, backend: Backend, on: str | None) -> BreakableWorld | None:

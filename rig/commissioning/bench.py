@@ -4,6 +4,7 @@ import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from rig.assembly import Rig
 
@@ -97,12 +98,12 @@ class StepBench:
         if self.rig.backend.is_simulated:
             self.run(after)
             return
-        with _master(self._transmit_on):
+        with _master(partial(self._transmit_on, os.getpid())):
             self.listen(after, lambda: False)
 
-    def _transmit_on(self) -> None:
+    def _transmit_on(self, parent: int) -> None:
         clock = self.rig.clock
-        while True:
+        while os.getppid() == parent:  # who kills this one may have been killed before
             now = clock.now()
             for bus in self.rig.buses.values():
                 bus.transmit(now)

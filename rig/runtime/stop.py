@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import monotonic
 from types import FrameType
+from typing import Self
 
 PATIENCE = 1.0
 """A cycle that has not heard a request for so long does not end by itself, s."""
@@ -67,7 +68,7 @@ class StopRequests:
         if not self.in_loop and not self.shielded:
             raise KeyboardInterrupt
 
-    def __enter__(self) -> "StopRequests":
+    def __enter__(self) -> Self:
         if threading.current_thread() is not threading.main_thread():
             return self
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
