@@ -28,6 +28,7 @@ from rig.cli.names import (
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_json, print_tables
+from rig.cli.terminals import is_terminal
 
 if TYPE_CHECKING:
     from rig.assembly import Backend
@@ -217,7 +218,7 @@ def _calibrate(
         readings = read_instruments(
             procedure, profile, folders,
             simulated=backend.is_simulated, readings=options["readings"],
-            prompt=None if options["yes"] is not None or not sys.stdin.isatty() else asks,
+            prompt=None if options["yes"] is not None or not is_terminal(sys.stdin) else asks,
         )  # fmt: skip
         if excitation is not None:
             data, folder = recorded(folders), folders[-1]
@@ -337,7 +338,7 @@ class _Placing:
     """Has somebody put by hand what is to be measured; without anybody, the first is in place."""
 
     def __init__(self, *, asks: bool) -> None:
-        self._asks = asks and sys.stdin.isatty()
+        self._asks = asks and is_terminal(sys.stdin)
         self._count = 0
 
     def __call__(self, what: str) -> bool:
@@ -361,7 +362,7 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
         return confirm(profile.name, yes)
     if yes is not None:
         return True
-    if not sys.stdin.isatty():
+    if not is_terminal(sys.stdin):
         raise ConfigurationError(
             "there is no terminal to ask: say --yes, or look first with --dry-run"
         )

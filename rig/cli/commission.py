@@ -24,6 +24,7 @@ from rig.cli.names import (
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.terminals import is_terminal
 
 if TYPE_CHECKING:
     from rig.assembly import Backend, Rig
@@ -198,7 +199,7 @@ def _operator(is_simulated: bool, answers: Path | None) -> Operator:
     if is_simulated:
         hands = SimulatedOperator()
     else:
-        if answers is None and not sys.stdin.isatty():
+        if answers is None and not is_terminal(sys.stdin):
             raise ConfigurationError("there is no terminal to ask: give --answers FILE")
         hands = Person(lambda text: click.echo(f"  >>> {text}", err=True), click.prompt)
     return hands if answers is None else WrittenAnswers(read_answers(answers), hands)

@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from rig.cli.terminals import is_terminal
 from rig.hal import ConfigurationError
 
 
@@ -32,7 +33,7 @@ def confirm(rig: str, yes: str | None) -> bool:
         if yes == rig:
             return True
         raise NotConfirmed(f"--yes {yes}: this is the rig {rig}")
-    if not sys.stdin.isatty():
+    if not is_terminal(sys.stdin):
         raise NotConfirmed(f"there is no terminal to ask: say --yes {rig}")
     if (
         click.prompt("Type the rig's name to go on", default="", show_default=False, err=True)

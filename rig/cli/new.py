@@ -11,6 +11,7 @@ import click
 
 from rig.cli.names import OneOf, configs_option, json_option
 from rig.cli.tables import print_json
+from rig.cli.terminals import is_terminal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -148,7 +149,7 @@ def new(
 
 def _asked(kind: str) -> tuple[str | None, str | None]:
     """Return --rig and --like as somebody at a terminal answers; a script is not asked."""
-    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+    if not (is_terminal(sys.stdin) and is_terminal(sys.stderr)):
         return None, None
     what = "Like which rig (`rig list rigs`)" if kind == "rig" else "Of which rig (`rig list rigs`)"
     rig = click.prompt(what, default="cylinder", err=True)

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import click
 
+from rig.cli.terminals import is_terminal
+
 _SOON = 2.0
 """Nobody is told what is done by then, s."""
 
@@ -14,7 +16,7 @@ _SOON = 2.0
 @contextmanager
 def told_if_long(words: str) -> Iterator[None]:
     """Say what is worked out if that takes long; into a pipe or a file nothing is said."""
-    if not sys.stderr.isatty():
+    if not is_terminal(sys.stderr):
         yield
         return
     timer = threading.Timer(_SOON, click.echo, (f"{words} …",), {"err": True})

@@ -26,6 +26,7 @@ from rig.cli.names import (
     yes_option,
 )
 from rig.cli.tables import Table, print_json, print_tables
+from rig.cli.terminals import is_terminal
 
 if TYPE_CHECKING:
     from rig.sweeping.data import SweepData
@@ -209,7 +210,7 @@ def _where(found: Sweep) -> str:
 
 def _room() -> float:
     """Return how many characters a line on stdout may have: any number in a file or pipe."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else math.inf
+    return shutil.get_terminal_size().columns if is_terminal(sys.stdout) else math.inf
 
 
 def _of_variations(data: SweepData, metric: str) -> list[Table]:

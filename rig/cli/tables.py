@@ -13,6 +13,8 @@ from typing import Final, NamedTuple
 
 import click
 
+from rig.cli.terminals import is_terminal
+
 _OBEYED: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """Control characters but line feed and tab, what turns the direction of a text, half characters."""
 _LONGEST_LINE: Final = 5000
@@ -59,7 +61,7 @@ def print_tables(tables: Sequence[Table]) -> None:
     ]
     if not shown:
         return
-    if sys.stdout.isatty():
+    if is_terminal(sys.stdout):
         _draw(shown)
     else:
         print_data("\n\n".join(_plain(table) for table in shown))
