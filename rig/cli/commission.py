@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, Unpack
@@ -150,6 +152,7 @@ def _commission(
     if options["as_json"]:
         print_data(json.dumps(record, indent=2, ensure_ascii=False, default=str))
     if stopped is not None:
+        _keep(again, options["out"], stopped)
         click.echo(f"stopped at {stopped}", err=True)
         click.echo(f"mend it, and go on with: {again}", err=True)
         return EXIT_FAILED
@@ -159,6 +162,15 @@ def _commission(
     else:
         click.echo(f"a rehearsal; next: rig commission {profile.argument} --on hardware", err=True)
     return 0
+
+
+def _keep(command: str, runs: Path, stopped: str) -> None:
+    """Have `rig explain` tell what stopped a step; the runs of its steps are older than that."""
+    from rig.explaining.refused_run import keep_refusal
+    from rig.run_names import RUNS
+
+    where = [] if runs == RUNS else ["--runs", str(runs)]
+    keep_refusal([*shlex.split(command)[1:], *where], EXIT_FAILED, stopped, time.time())
 
 
 def _site(profile: Profile, options: _Options, stop: StepInterrupts) -> Site:

@@ -103,6 +103,8 @@ def _explain(
         for topic in (tell(word) for tell in tellers):
             if topic is not None:
                 return topic.remarks()
+    if " " not in word.strip() and "/" in word and is_folder(Path(word).parent):
+        raise ConfigurationError(f"there is no run {word}; `rig list runs` shows what is kept")
     if word.partition(".")[0] in _GROUPS:
         raise ConfigurationError(
             f"neither a key nor a column of the newest run's log is called {word!r}; --rig PROFILE "

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, TypedDict
 
 from rig.explaining.ended_run import Remark, age_since
-from rig.explaining.faults import refusal_of, topic_of
+from rig.explaining.faults import FaultTopic, refusal_of, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.files import users_folder
 from rig.json_file import write_json
@@ -66,14 +66,13 @@ class RefusedRun(NamedTuple):
             The newest run that there is.
         """
         line = shlex.join(("rig", *self.command))
+        is_step = self.command[:1] == ("commission",) and self.code == 3
+        label, left = ("stopped", "") if is_step else ("refused", ", no run folder")
         told = [
-            Remark(
-                "refused", f"`{line}`: exit code {self.code}, no run folder{age_since(self.when)}"
-            ),
+            Remark(label, f"`{line}`: exit code {self.code}{left}{age_since(self.when)}"),
             Remark("message", self.message),
         ]
-        tellers = (topic_of, refusal_of) if self.code == 3 else (refusal_of,)
-        topic = next((found for tell in tellers if (found := tell(self.message))), None)
+        topic = step_topic(self.message) if is_step else self._topic()
         if topic is not None:
             told += [Remark(*pair) for pair in topic.remarks()]
         else:
@@ -84,6 +83,21 @@ class RefusedRun(NamedTuple):
                 Remark("before", f"The run before it: `rig explain {before}` explains that one.")
             )
         return told
+
+    def _topic(self) -> FaultTopic | None:
+        tellers = (topic_of, refusal_of) if self.code == 3 else (refusal_of,)
+        return next((found for tell in tellers if (found := tell(self.message))), None)
+
+
+def step_topic(message: str) -> FaultTopic | None:
+    """Return what is known of what a step of the acceptance test has found.
+
+    Which kind of fault it is says most, but for kinds that speak of laws and limits.
+    """
+    of_steps, fault = refusal_of(message), topic_of(message)
+    if of_steps is not None and of_steps.name == "step_setpoint":
+        return of_steps
+    return of_steps if fault is None or fault.name in ("out_of_range", "command") else fault
 
 
 def keep_refusal(words: Sequence[str], code: int, message: str, began: float) -> None:

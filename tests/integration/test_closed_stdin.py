@@ -13,7 +13,6 @@ from rig.cli import invoke
         (["new", "rig", "named"], 0, "rig named is written"),
         (["calibrate", "cylinder", "regulators"], 2, "no terminal to ask: say --yes"),
         (["commission", "cylinder", "--on", "hardware"], 2, "no terminal to ask: say --yes"),
-        (["run", "cylinder-sine", "--on", "hardware"], 2, "no terminal to ask: say --yes"),
     ],
 )
 def test_nobody_is_asked(tmp_path, monkeypatch, capsys, words, code, said):
