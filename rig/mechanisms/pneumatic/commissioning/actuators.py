@@ -8,10 +8,13 @@ from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepRe
 from rig.hal import Vector
 from rig.mechanisms.pneumatic.commissioning.chambers import (
     SEEN,
+    Chambers,
     energised,
     gauges,
 )
 
+_MORE: Final = 3e3
+"""From level to level where the other chambers are filled, too, and this one shows less yet, Pa."""
 _STEP: Final = 8e3
 """From a level that was answered to the next one at most, Pa."""
 _HIGHEST, _STEEPEST = 18.5e3, 2.1
@@ -52,35 +55,47 @@ class RegulatorsAlone(AcceptanceStep):
         measured: list[MeasuredValue] = []
         has_valves = site.profile.mechanism_settings.valves is not None
         with energised(site) as chambers:
-            channels, levels = chambers.regulators.channels, chambers.levels
+            channels, levels = chambers.regulators.channels, _levels_of(chambers)
+            lift, unsure = chambers.lift, chambers.unsure
         for number, channel in enumerate(channels):
             first, then, enough = _FIRST, _THEN, _ENOUGH
             if has_valves:
                 first, then, enough = _LOOP, _LOOP, _ENOUGH_OF_LOOP
             for level in levels:
                 low = _fill(site, number, level)
-                if max(low.rises) >= SEEN:
+                if max(low.rises) >= SEEN and low.is_told_apart:
                     break
             _find_swapped(channels, number, low)
-            measured.append(_setpoint_scale(channel, low.gauge, level, first))
-            high, lowest = low, level
+            measured.append(_setpoint_scale(channel, low.gauge, level, first, unsure))
+            high, lowest, enough, further = low, level, enough + lift, 0.0
+            highest = _HIGHEST + lift
+            if lift > 0.0:  # chambers that were told apart late
+                highest = max(highest, low.gauge + _STEP)
             while high is low or (level < enough and high.gauge < enough):
-                level += min(_STEP, (_HIGHEST - high.gauge) / _STEEPEST)
+                level += min(_STEP, (highest - high.gauge) / _STEEPEST)
                 high = _fill(site, number, level)
             given, rise = high.gauge - low.gauge, high.rises[number] - low.rises[number]
             slope = given / (level - lowest)
             if not has_valves and _SLOPE[0] <= slope <= _SLOPE[1]:
-                then = _FAR
-            measured.append(_setpoint_scale(channel, high.gauge, level, then))
+                then, further = _FAR, unsure
+            measured.append(_setpoint_scale(channel, high.gauge, level, then, further))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
+
+
+def _levels_of(chambers: Chambers) -> Vector:
+    """Return what a chamber is given until it shows most: more where the others are filled, too."""
+    levels = chambers.levels
+    more = round(3.0 * chambers.unsure / _MORE) if chambers.lift > 0.0 else 0
+    return (*levels, *(levels[-1] + _MORE * (k + 1) for k in range(more)))
 
 
 class _Filled:
     """Readings of monitors and gauges of one filled chamber."""
 
-    def __init__(self, rises: Vector, answer: str) -> None:
+    def __init__(self, rises: Vector, is_told_apart: bool, answer: str) -> None:
         self.rises = rises
+        self.is_told_apart = is_told_apart
         self.whose, _, shown = answer.strip().partition(" ")
         self.gauge = parse_reading(shown, "Pa")
 
@@ -97,7 +112,7 @@ def _fill(site: Site, number: int, pressure: float) -> _Filled:
         )
         site.operator.do(task, site.world_of(chambers.rig))
         chambers.bench.run(site.glance(chambers.rig))
-    return _Filled(rises, site.operator.answer(task))
+    return _Filled(rises, chambers.is_told_apart(rises), site.operator.answer(task))
 
 
 def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> None:
@@ -122,11 +137,12 @@ def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> No
 
 
 def _setpoint_scale(
-    channel: str, gauge: float, asked: float, bounds: tuple[float, float]
+    channel: str, gauge: float, asked: float, bounds: tuple[float, float], unsure: float
 ) -> MeasuredValue:
     """Return the gauge over what was asked for; raise if a scale is wrong."""
     name = f"{channel}: gauge over setpoint, {asked / 1e3:g} kPa"
-    value = MeasuredValue(name, gauge / asked, "1", *bounds)
+    low, high = bounds[0] - unsure / asked, bounds[1] + unsure / asked
+    value = MeasuredValue(name, gauge / asked, "1", low, high)
     return require_within(channel, value, "wrong scale of its setpoint")
 
 

@@ -12,6 +12,7 @@ from rig.commissioning.site import Site
 from rig.commissioning.step import Defect
 from rig.hal import DevicePicker, LinearEncoder, PressureRegulator, Vector
 from rig.hal.world import BreakableWorld
+from rig.mechanisms.pneumatic.alarms.bounds import STATIC
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 from rig.mechanisms.pneumatic.valves.regulating import (
     ValveRegulators,
@@ -30,7 +31,8 @@ LEVELS_OF_LOOPS: Final = (5e3, *LEVELS)
 SEEN: Final = 2e3
 """Least rise of a monitor that is one, Pa: well above noise and hysteresis."""
 _MUCH: Final = 0.6
-"""A monitor that rose by more than this share of its setpoint need not be given more."""
+"""A monitor that rose by more than this share of its setpoint over the least that there is need not
+be given more."""
 SETTLE: Final = 1.0
 """Until a setpoint is reached, s."""
 _AVERAGED: Final = 0.2
@@ -67,8 +69,14 @@ class Chambers:
     ----------
     zeros : tuple of float
         Means of the monitors, vented, Pa gauge.
+    lift : float
+        So much higher every setpoint of the test is than `LOWEST` and the like say, Pa: the least
+        that calibrated regulators can be told, from which on their signal begins to rise.
     levels : tuple of float
         Setpoints until monitors answer, Pa gauge.
+    unsure : float
+        So much the line of a calibrated regulator may be off at its low end, Pa: it is straight to
+        a share of its range.
     """
 
     def __init__(self, bench: StepBench, regulators: PressureRegulator) -> None:
@@ -80,7 +88,13 @@ class Chambers:
         per_cycle = _STEEPEST * bench.rig.profile.loop.period
         self._is_loop = isinstance(regulators, ValveRegulators)
         self._rise = per_cycle if self._is_loop else inf
-        self.levels = LEVELS_OF_LOOPS if self._is_loop else LEVELS
+        least = regulators.pressure_range[0]
+        self._least = max(least, 0.0)  # no chamber is below the air around it
+        self.lift = self._least
+        span = regulators.pressure_range[1] - least
+        self.unsure = 0.0 if self._is_loop else 0.5 * STATIC * span
+        levels = LEVELS_OF_LOOPS if self._is_loop else LEVELS
+        self.levels: Vector = tuple(level + self.lift for level in levels)
         self._highest = self.levels[0]
         bench.each_cycle = self._give
 
@@ -139,6 +153,17 @@ class Chambers:
             pressure if k == number else least for k in range(len(self.regulators.channels))
         )
 
+    def is_told_apart(self, rises: Vector) -> bool:
+        """Return whether the chamber that rose most shows most, and no other nearly as much.
+
+        Where there is no 0 Pa the others are filled, too, and to different pressures.
+        """
+        if self._least <= 0.0:
+            return True
+        shown = [zero + rise for zero, rise in zip(self.zeros, rises, strict=True)]
+        rose = rises.index(max(rises))
+        return shown[rose] >= SEEN + max(p for k, p in enumerate(shown) if k != rose)
+
     def climb(self) -> Climbed:
         """Raise all setpoints until every monitor answers, but none that shows as much already.
 
@@ -147,7 +172,7 @@ class Chambers:
         setpoints, rises = [0.0] * len(self.zeros), (0.0,) * len(self.zeros)
         for level in self.levels:
             setpoints = [
-                before if rise > _MUCH * before > 0.0 else level
+                before if rise > max(2.0 * SEEN, _MUCH * (before - self._least)) else level
                 for before, rise in zip(setpoints, rises, strict=True)
             ]
             self.set(setpoints)
@@ -169,8 +194,8 @@ class Chambers:
             channel = self.regulators.channels[rises.index(min(rises))]
             raise Defect(
                 channel,
-                f"its monitor shows nothing of {LEVELS[-1] / 1e3:g} kPa: its regulator is stuck, "
-                "or the scale of its setpoint is much too small",
+                f"its monitor shows nothing of {self.levels[-1] / 1e3:.4g} kPa: its regulator is "
+                "stuck, or the scale of its setpoint is much too small",
             )
         return rises
 
@@ -235,7 +260,8 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
         if not supply:
             regulators.shut_supply(True)
         chambers = Chambers(StepBench(rig), regulators)
-        chambers.set_all(regulators.pressure_range[0], 0.3)
+        least = regulators.pressure_range[0]
+        chambers.set_all(least, SETTLE if least > 0.0 else 0.3)  # which fills the chambers
         chambers.zeros = chambers.means()
         yield chambers
 

@@ -48,9 +48,9 @@ class ResponseTimes(AcceptanceStep):
 
 def _step_times(chambers: Chambers, higher: float) -> list[tuple[float, float]]:
     """Return after how long each monitor has gone 15 and 63 % of a step, s; a second at most."""
-    chambers.set_all(LOWEST)
+    chambers.set_all(LOWEST + chambers.lift)
     low = chambers.rises()
-    chambers.ask((higher,) * len(low))
+    chambers.ask((higher + chambers.lift,) * len(low))
     rows = chambers.watch(1.0)
     high = chambers.rises()
     times = []

@@ -8,7 +8,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
-from rig.mechanisms.pneumatic.commissioning.chambers import LEVELS, SEEN, energised
+from rig.mechanisms.pneumatic.commissioning.chambers import SEEN, energised
 from rig.mechanisms.pneumatic.commissioning.spool import overshoot_of
 
 
@@ -40,8 +40,8 @@ class SupplyAndDump(AcceptanceStep):
                 require(
                     rise > SEEN, channel,
                     f"its pressure does not rise with the supply open ({rise / 1e3:.1f} kPa of "
-                    f"{LEVELS[-1] / 1e3:g}): the supply does not open, its regulator is stuck, or "
-                    "the scale of its setpoint is much too small",
+                    f"{chambers.levels[-1] / 1e3:.4g}): the supply does not open, its regulator is "
+                    "stuck, or the scale of its setpoint is much too small",
                 )  # fmt: skip
             regulators.shut_supply(True)
             start, fallen = bench.now, chambers.have_fallen(0.5, rises)
