@@ -14,7 +14,7 @@ from rig.hal import Device, Mechanism
 from rig.hal.devices import LinearEncoder, MarkerCamera, PressureRegulator, ServoBus
 from rig.hal.fits import OWN, fits, is_number, is_ours, plain, shown, where
 from rig.hal.offers import lacking
-from rig.runtime.phases import Phase, Phases
+from rig.runtime.phases import UNANSWERED, Phase, Phases
 
 _READ = {
     PressureRegulator: ("pressure", "safe_pressure"),
@@ -109,7 +109,7 @@ def _answers(rig: Rig, plan: Plan, run: Run | None) -> Iterator[_Asked]:
         yield from _unlike(plan.motion, "at", start, here)
         between = mechanism.approach(here, start, 1.0, 0.5)
         yield from _unlike(mechanism, "approach", between, here)
-    if run.is_controlling:
+    if run.is_controlling and run.answer is not UNANSWERED:  # else its first call has raised
         yield from _unlike(plan.controller, "update", run.answer, usual)
     if run.command is None or run.reference is None:
         return

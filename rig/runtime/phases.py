@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Any, Generic, NamedTuple
+from typing import Any, Final, Generic, NamedTuple
 
 from rig.hal import SafetyError
 from rig.hal.controller import Controller
@@ -48,6 +48,10 @@ class Timings(NamedTuple):
     release: float = 0.5
     brake: float = 0.25
     settle: float = 0.25
+
+
+UNANSWERED: Final = object()
+"""In the place of the controller's answer until it has given one."""
 
 
 class Phases(Generic[State, Reference, Command]):
@@ -99,7 +103,7 @@ class Phases(Generic[State, Reference, Command]):
         self.state: State | None = None
         self.reference: Reference | None = None
         self.command: Command | None = None
-        self.answer: Command | None = None
+        self.answer: Command | object | None = UNANSWERED
         self._mechanism = mechanism
         self._controller = controller
         self._states = states
