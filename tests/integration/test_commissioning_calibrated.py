@@ -19,7 +19,9 @@ def calibrated(seed):
     """Return a drawn profile, and a plant that is told what the signals of its lines stand for."""
     chance = random.Random(f"line {seed}")
     full = chance.choice((500e3, 900e3))
-    lines = [(chance.uniform(-0.01, 0.01) * full, chance.uniform(0.99, 1.01) * full) for _ in "ab"]
+    lines = [
+        (chance.uniform(-0.008, 0.008) * full, chance.uniform(0.99, 1.01) * full) for _ in "ab"
+    ]
     said = [f"plant.regulator.full_scale={full}"]
     for channel, (low, high) in zip(CHANNELS, lines, strict=True):
         at = f"devices.regulators.channels.{channel}"

@@ -156,13 +156,14 @@ class Chambers:
     def is_told_apart(self, rises: Vector) -> bool:
         """Return whether the chamber that rose most shows most, and no other nearly as much.
 
-        Where there is no 0 Pa the others are filled, too, and to different pressures.
+        Where there is no 0 Pa the others are filled, too, and to different pressures. Monitors may
+        be as far off as setpoints.
         """
         if self._least <= 0.0:
             return True
         shown = [zero + rise for zero, rise in zip(self.zeros, rises, strict=True)]
         rose = rises.index(max(rises))
-        return shown[rose] >= SEEN + max(p for k, p in enumerate(shown) if k != rose)
+        return shown[rose] >= SEEN + self.unsure + max(p for k, p in enumerate(shown) if k != rose)
 
     def climb(self) -> Climbed:
         """Raise all setpoints until every monitor answers, but none that shows as much already.
