@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rig.config import Profile
 
+_TUNED_FIRST = "cascade"
+"""The law that `rig tune` tunes where none is named."""
 _GAINS = "controllers"
 
 
@@ -52,7 +54,8 @@ def _sentence(
     if keys and profile.calibration is None:
         steps.append(f"rig calibrate {profile.argument} --all")
     if laws:
-        steps.append(f"rig tune {profile.argument}")
+        which = "" if _TUNED_FIRST in laws else f" --controller {laws[0]}"
+        steps.append(f"rig tune {profile.argument}{which}")
     if steps:
         told += f". Next: {', then '.join(steps)}"
     if keys:
