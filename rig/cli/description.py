@@ -23,11 +23,13 @@ if TYPE_CHECKING:
 def describe_profile(profile: Profile) -> dict[str, Any]:
     """Return what a profile says, in SI; it must have been checked."""
     from rig.assembly import REGISTRY, bus_loads
+    from rig.assembly.build import make_unconnected
 
     loads = bus_loads(profile)
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     limits = mechanism.limits_of(profile.mechanism_settings)
-    expected = mechanism.expected_of(profile.mechanism_settings)
+    made, _ = make_unconnected(profile)
+    expected = mechanism.expected_of(made.in_force(profile.mechanism_settings))
     plant = profile.plant
     return {
         "name": profile.name,

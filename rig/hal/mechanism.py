@@ -39,8 +39,7 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""
 
     venting_time: float = 0.0
-    """How long nothing is taken for safe, whatever devices read, s: a monitor that is broken says
-    at once that a chamber is empty, and one that is off says so too early."""
+    """How long nothing is taken for safe, s: monitors that are off or broken say so too early."""
 
     varies_with: ClassVar[Mapping[str, Sequence[str]]] = {}
     """Keys of what has to be measured anew, by the key of the dimension with which it changes."""
@@ -95,6 +94,10 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     def expected_of(cls, settings: Settings) -> tuple[Expected, ...]:
         """Return what else `rig check` shows: what the settings lead to if something breaks."""
         return ()
+
+    def in_force(self, settings: Settings) -> Settings:
+        """Return settings with what the devices say where the profile says nothing."""
+        return settings
 
     @classmethod
     def described(cls, settings: Settings) -> tuple[tuple[str, str], ...]:
@@ -159,10 +162,8 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
 
         Parameters
         ----------
-        settings : object
-            The mechanism's settings.
-        reference : object
-            The settings of the experiment's reference.
+        settings, reference : object
+            The mechanism's settings, and those of the experiment's reference.
         controller : Controller
             The one that will follow the motion.
         period : float

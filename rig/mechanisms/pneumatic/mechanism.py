@@ -122,6 +122,10 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         """Return what a cut wire comes to; see `Mechanism.expected_of`."""
         return expect_cut_wire(settings, len(cls.channels), settings.greatest_pressure)
 
+    def in_force(self, settings: Chosen) -> Chosen:
+        """Return settings with the regulators' full scale; see `Mechanism.in_force`."""
+        return _scaled(settings, self._regulators)
+
     @classmethod
     def unfit(cls, settings: Chosen) -> str | None:
         """Say that the declared mechanical stop does not bear a cut wire; see `Mechanism.unfit`."""
