@@ -334,13 +334,27 @@ def _of_gains(law: str, calibration: Calibration, profile: Profile) -> Milestone
     """Return the gains that were found for a law, and whether they are this rig's as it is now."""
     from rig.config.basis import changes_of, say_changes
 
-    state = _gains_of(calibration)
+    state = _gains_of(calibration) + _margin_missed(calibration, profile.argument)
     changes = changes_of(calibration, profile)
     if not changes:
         return Milestone(f"tuned: {law}", state)
     remedy = f"rig tune {profile.argument} --controller {law} --replace"
     return Milestone(
         f"tuned: {law}", f"of another profile: {say_changes(changes)} ({state})", remedy
+    )
+
+
+def _margin_missed(calibration: Calibration, rig: str) -> str:
+    """Say how many drawn plants keep their margin, if that is less than `rig tune` asks for."""
+    from rig.tuning.verdict import ENOUGH, SENSITIVITY
+
+    kept = calibration.provenance.conditions.get("sensitivity kept", "")
+    share = kept.partition(" % of ")[0]
+    if not share.replace(".", "", 1).isdecimal() or float(share) >= 100.0 * ENOUGH:
+        return ""
+    return (
+        f"; only {kept} keep a sensitivity of at most {SENSITIVITY:g}, and {100.0 * ENOUGH:g} % "
+        f"are asked for: `rig margins {rig}` measures it"
     )
 
 
