@@ -346,7 +346,8 @@ def _of_gains(law: str, calibration: Calibration, profile: Profile) -> Milestone
 
 def _margin_missed(calibration: Calibration, rig: str) -> str:
     """Say how many drawn plants keep their margin, if that is less than `rig tune` asks for."""
-    from rig.tuning.verdict import ENOUGH, SENSITIVITY
+    from rig.hal.closed_loop import SENSITIVITY
+    from rig.tuning.verdict import ENOUGH
 
     kept = calibration.provenance.conditions.get("sensitivity kept", "")
     share = kept.partition(" % of ")[0]
