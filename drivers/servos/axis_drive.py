@@ -10,7 +10,7 @@ from drivers.servos.encoder_watch import EncoderWatch
 from drivers.servos.following_error import FollowingWatch
 from rig.hal import DeviceFault, not_standing
 
-_JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
+_JUMP: Final = 1.5  # readings that imply so many times the greatest speed are no motion
 
 Axis = TypeVar("Axis", bound=FollowingAxisSettings, covariant=True)
 
