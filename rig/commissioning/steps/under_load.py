@@ -6,6 +6,7 @@ from typing import Final, cast
 import numpy as np
 
 from rig.assembly.buses import bus_loads
+from rig.commissioning.lost_frames import MOST, lost_frames
 from rig.commissioning.step import MeasuredValue, require_within
 from rig.config import Profile
 from rig.run_folder import RunFolder
@@ -34,7 +35,7 @@ def judge_load(profile: Profile, folder: Path, log: Log) -> list[MeasuredValue]:
     Raises
     ------
     Defect
-        A cycle came too late, a frame was lost, or a bus is fuller than it may be.
+        A cycle came too late, frames were lost, or a bus is fuller than it may be.
     """
     period = profile.loop.period
     # Differences of virtual times are rounded by less than a nanosecond.
@@ -60,9 +61,7 @@ def judge_load(profile: Profile, folder: Path, log: Log) -> list[MeasuredValue]:
             high=max(_SET_UP * load.total, _FEW),
         )  # fmt: skip
         measured.append(require_within(name, share, "the bus is fuller than it may be"))
-        lost = MeasuredValue(
-            f"frames lost on {name} under control", counts.get("lost", 0.0), "1", high=0.0
-        )
+        lost = lost_frames(" under control", name, counts, MOST)
         measured.append(require_within(name, lost, "frames are lost under control"))
     return measured
 
