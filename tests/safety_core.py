@@ -39,6 +39,11 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
+    "rig/mechanisms/pneumatic/alarms/answers.py": (
+        "mechanisms/test_pneumatic_pressure_alarm.py",
+        "mechanisms/test_pneumatic_pressure_moves.py",
+        "mechanisms/test_pneumatic_pressure_words.py",
+    ),
     "rig/mechanisms/pneumatic/alarms/frozen.py": ("mechanisms/test_pneumatic_frozen_monitor.py",),
     "rig/mechanisms/pneumatic/alarms/jumped.py": ("mechanisms/test_pneumatic_jumped_monitor.py",),
     "rig/mechanisms/servo/stuck.py": ("mechanisms/test_servo_stuck.py",),

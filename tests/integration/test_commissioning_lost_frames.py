@@ -38,5 +38,5 @@ def test_lost_frames_are_found(tmp_path, monkeypatch, capsys, share):
     )
     monkeypatch.chdir(tmp_path)
     assert invoke(["commission", "lossy.yaml"]) == 3
-    said = capsys.readouterr().out
+    said = "".join(capsys.readouterr())
     assert "FAILED: can0: frames are lost under control" in said.replace("\n", " ")

@@ -311,7 +311,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "asked of the channel that is farthest off only",
     ),
     Equivalent(
-        "rig/mechanisms/pneumatic/alarms/pressures.py",
+        "rig/mechanisms/pneumatic/alarms/answers.py",
         "return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)",
         "likeness > bounds.slow * power -> likeness >= bounds.slow * power",
         "it only saves the second half, which asks for more",

@@ -1,9 +1,9 @@
 """Tell which regulator is stuck, slow or off, and how, or that the supply is gone."""
 
-import math
 from collections.abc import Sequence
 
 from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.answers import LEAST_LAG, ChannelAnswers
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
 from rig.mechanisms.pneumatic.alarms.frozen import FrozenMonitors
@@ -27,9 +27,6 @@ _USUAL = 5.0
 """Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is."""
 _SLOW = 1.0
 """Time over which a deviation is compared with that of a slow regulator, s."""
-_LEAST_LAG = 2.0
-"""A slow regulator would be off by so many times the hysteresis, rms, or the motion cannot show
-that it is slow."""
 _MOVES = 0.5
 """A pressure that goes so far along with a healthy one follows its setpoints …"""
 _STAYS = 0.25
@@ -40,118 +37,10 @@ _EMPTY = 4.0
 """Of the hysteresis: up to so much an empty chamber's monitor may say the very same."""
 _LEAP = 2.0
 """Of the offset at rest: by so much a monitor that jumps within a cycle is off."""
-_LIKE_SLOW = 0.6
-"""Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
 
 class PressureOff(SafetyError):
     """A pressure is not where a healthy regulator would have brought it."""
-
-
-class _Channel:
-    """A healthy regulator's pressure for the setpoints that were sent, and when it was met.
-
-    Of two: one answers after the dead time, the other, prompt, at once; what is between them is
-    well. Beside them a regulator with half of the bandwidth, and how alike the deviations are.
-    """
-
-    __slots__ = (
-        "expected",
-        "held",
-        "jump",
-        "lag_mean",
-        "lag_power",
-        "likeness",
-        "mean",
-        "near_at",
-        "off",
-        "power",
-        "prompt",
-        "prompt_rate",
-        "quick_at",
-        "rate",
-        "slow",
-        "slow_rate",
-        "usual",
-        "well_at",
-    )  # fmt: skip
-
-    def __init__(self, pressure: float, now: float) -> None:
-        self.expected = self.prompt = self.slow = self.held = pressure
-        self.rate = self.prompt_rate = self.slow_rate = 0.0
-        self.off = self.mean = self.usual = self.jump = 0.0
-        self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
-        self.well_at = self.quick_at = self.near_at = now
-
-    def answer(self, acting: float, latest: float, step: float, pull: float, drag: float) -> None:
-        """Let the healthy and the slow regulators go on by a step, s.
-
-        Parameters
-        ----------
-        acting, latest : float
-            The setpoint of a dead time ago, and the one of now, Pa.
-        pull, drag : float
-            Of the healthy ones, times the step: stiffness (1/s) and damping (1).
-        """
-        brake = 1.0 / (1.0 + drag)
-        self.rate = (self.rate + pull * (acting - self.expected)) * brake
-        self.expected += step * self.rate
-        self.prompt_rate = (self.prompt_rate + pull * (latest - self.prompt)) * brake
-        self.prompt += step * self.prompt_rate
-        brake = 1.0 / (1.0 + 0.5 * drag)
-        self.slow_rate = (self.slow_rate + 0.25 * pull * (acting - self.slow)) * brake
-        self.slow += step * self.slow_rate
-
-    def take(self, pressure: float) -> None:
-        """Note how far a pressure is off the healthy ones, Pa: 0 between them."""
-        late, prompt = self.expected, self.prompt
-        self.off = max(pressure - max(late, prompt), 0.0) + min(pressure - min(late, prompt), 0.0)
-
-    def strays(self, pressure: float, setpoint: float, most: float) -> bool:
-        """Return whether nothing late explains a pressure: it is beside all of its way, Pa."""
-        late, prompt, slow = self.expected, self.prompt, self.slow
-        pressure -= self.usual
-        return not (
-            min(late, prompt, slow, setpoint) - most
-            <= pressure
-            <= max(late, prompt, slow, setpoint) + most
-        )
-
-    def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
-        """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
-        off = self.off - self.usual
-        self.lag_power = power = self.lag_power + share * (lag * lag - self.lag_power)
-        self.likeness = likeness = self.likeness + share * (lag * off - self.likeness)
-        self.power += share * (off * off - self.power)
-        # The cheap half first: most of the time a regulator is far from slow.
-        return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)
-
-    def slowness(self, bounds: PressureBounds) -> float:
-        """Return which share of a slow regulator's deviation this has; 0: the motion shows none."""
-        least = _LEAST_LAG * bounds.loop
-        return self.likeness / self.lag_power if self.lag_power > least * least else 0.0
-
-    def most_slow(self, bounds: PressureBounds) -> float:
-        """Return the permitted share: the hysteresis hides the more, the less there is to see."""
-        power = self.lag_power
-        return bounds.slow + bounds.loop / math.sqrt(power) if power > 0.0 else math.inf
-
-    def most_mean(self, bounds: PressureBounds) -> float:
-        """Return how far the mean may be off what is usual, Pa."""
-        return bounds.offset + bounds.slow * self.lag_mean
-
-    def strangeness(self, bounds: PressureBounds) -> float:
-        """Return mean or slowness over what is permitted of it, whichever is more."""
-        return max(
-            abs(self.mean - self.usual) / self.most_mean(bounds),
-            self.slowness(bounds) / self.most_slow(bounds),
-        )
-
-    def is_slow(self, bounds: PressureBounds) -> bool:
-        """Return whether the deviation is that of a slow regulator in size and in shape."""
-        return self.slowness(bounds) > self.most_slow(bounds) and (
-            self.likeness > math.sqrt(_LIKE_SLOW * self.lag_power * self.power)
-        )
 
 
 class PressureWatch:
@@ -193,7 +82,7 @@ class PressureWatch:
         self._mean_time = max(_MEAN / response.bandwidth, _LEAST_MEAN)
         self._names = tuple(channels)
         self._device = device
-        self._channels: tuple[_Channel, ...] = ()
+        self._channels: tuple[ChannelAnswers, ...] = ()
         self._began: float
         self._then: float
         self._pressures: Sequence[float]
@@ -241,11 +130,9 @@ class PressureWatch:
                 channel.held = pressure
             if -deviation <= off <= deviation:
                 channel.well_at = now
-            elif now - channel.well_at > bounds.time:
-                long_off = True
             if not channel.strays(pressure, setpoints[k], stray):
                 channel.near_at = now
-            elif now - channel.near_at > bounds.unasked:
+            if now - channel.well_at > bounds.time or now - channel.near_at > bounds.unasked:
                 long_off = True
             jump = max(channel.jump, abs(off - before))
             channel.jump = 0.0 if -most < off - channel.usual < most else jump
@@ -270,7 +157,7 @@ class PressureWatch:
             self._raise_strange()
 
     def _begin(self, now: float) -> None:
-        self._channels = tuple([_Channel(pressure, now) for pressure in self._pressures])
+        self._channels = tuple([ChannelAnswers(pressure, now) for pressure in self._pressures])
         self._began = self._then = now
         self._line.clear()
         self._ways.clear()
@@ -344,7 +231,7 @@ class PressureWatch:
             return (
                 f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
             )
-        least = _LEAST_LAG * self._bounds.loop
+        least = LEAST_LAG * self._bounds.loop
         if self._ways.share_gone(k, least) < _STAYS:
             return f"{self._explain()}, or it is slow"
         comes_late = self._ways.beyond(k) <= self._bounds.deviation
