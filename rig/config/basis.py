@@ -2,7 +2,8 @@
 
 A calibration keeps it by the procedure that measured, as texts with units, so that a file says it
 to people as well. What calibrations have laid over the profile is no part of it: it was measured,
-and each of them answers for its own.
+and each of them answers for its own. So does what it has laid something over: who writes another
+value there means another part, and it would not be in force.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,11 +29,23 @@ def stated(profile: Profile, keys: Sequence[str]) -> dict[str, str]:
     keys : sequence of str
         What to return: dotted names of values or sections; ``*`` stands for any one of a section.
     """
-    sections = {
-        "loop": profile.loop,
-        profile.mechanism: profile.nominal_settings,
-        **{f"devices.{name}": entry.nominal for name, entry in profile.devices.items()},
-    }
+    return _said(
+        {
+            "loop": profile.loop,
+            profile.mechanism: profile.nominal_settings,
+            **{f"devices.{name}": entry.nominal for name, entry in profile.devices.items()},
+        },
+        keys,
+    )
+
+
+def _in_force(profile: Profile, keys: Sequence[str]) -> dict[str, str]:
+    """Return what holds with all calibrations laid over, as `stated` does without them."""
+    devices = {f"devices.{name}": entry.settings for name, entry in profile.devices.items()}
+    return _said({profile.mechanism: profile.mechanism_settings, **devices}, keys)
+
+
+def _said(sections: Mapping[str, object], keys: Sequence[str]) -> dict[str, str]:
     wanted = [key.split(".") for key in keys]
     return {
         name: text
@@ -61,8 +74,11 @@ def changes_of(calibration: Calibration, profile: Profile) -> dict[str, tuple[st
     basis = by_procedure(calibration.provenance.basis)
     if not basis:
         return {}
-    now = stated(profile, [key for before in basis.values() for key in before])
-    measured = set(_measured(profile))
+    keys = [key for before in basis.values() for key in before]
+    now, in_force = stated(profile, keys), _in_force(profile, keys)
+    measured = set(_measured(profile, others_than=calibration))
+    # Who copies what was found into the profile changes nothing.
+    measured |= {key for key in _measured(profile) if now.get(key) == in_force.get(key)}
     found = {
         procedure: tuple(
             f"{key} {was}, and the profile says {now[key]}"
@@ -100,9 +116,11 @@ def _is_below(name: Sequence[str], key: Sequence[str]) -> bool:
     return len(name) >= len(key) and all(map(fnmatchcase, name, key))
 
 
-def _measured(profile: Profile) -> Iterator[str]:
+def _measured(profile: Profile, others_than: Calibration | None = None) -> Iterator[str]:
     """Yield the names of the values that calibrations have laid over a profile."""
     for name, calibration in profile.calibrations.items():
+        if calibration is others_than:
+            continue
         section = name if name == profile.mechanism else f"devices.{name}"
         yield from _names(section, calibration.replaced)
 

@@ -99,7 +99,7 @@ def test_procedures_of_one_profile_keep_it_once(configs):
 @pytest.mark.parametrize(
     "option",
     [
-        "cylinder.home=29 mm",  # laid over by the calibration: what the file says is not in force
+        "cylinder.home=29 mm",  # of a command line: it is in force
         "cylinder.limits.following=5 mm",
         "cylinder.base_pressure=100 kPa",
         "devices.encoder-agonist.node=0x30",
@@ -128,6 +128,38 @@ def test_what_it_rests_on_is_named(configs, option, was, now):
     calibrate(configs, "friction", {"friction": {"coulomb": "9.1 N"}})
     (found,) = state(configs, option)
     assert found.problems == (f"was found with {was}, and the profile says {now}",)
+
+
+def write(configs, before, after):
+    path = configs / "rigs" / "cylinder.yaml"
+    text = path.read_text("utf-8")
+    assert before in text
+    path.write_text(text.replace(before, after))
+
+
+def problems(configs):
+    return {its.name: its.problems for its in state(configs, on_hardware=False)}
+
+
+def test_who_writes_another_value_where_one_was_found_is_told(configs):
+    """It means another part, and is not in force; who copies what was found changes nothing."""
+    calibrate(configs, "wires", {"home": "30.1 mm"})
+    write(configs, "home: 30 mm", "home: 30.1 mm")
+    assert problems(configs) == {"cylinder": ()}
+    write(configs, "home: 30.1 mm", "home: 29 mm")
+    assert problems(configs) == {
+        "cylinder": ("was found with cylinder.home 30 mm, and the profile says 29 mm",)
+    }
+
+
+def test_each_answers_for_what_it_has_found_itself(configs):
+    said = {"channels": {"agonist": {"setpoint": {"pressure": ["1 kPa", "502 kPa"]}}}}
+    calibrate(configs, "regulators", said, target="regulators")
+    calibrate(configs, "friction", {"friction": {"coulomb": "9.1 N"}})
+    write(configs, "pressure: [0 kPa, 500 kPa]", "pressure: [0 kPa, 900 kPa]")
+    found = problems(configs)
+    assert "devices.regulators.channels.agonist.setpoint.pressure" in found["regulators"][0]
+    assert ".agonist.setpoint.pressure" not in found["cylinder"][0]
 
 
 def test_a_device_rests_on_its_own_readings_alone(configs):
