@@ -120,6 +120,11 @@ class CylinderSettings(PneumaticSettings):
     def __post_init__(self) -> None:
         with Rules() as rule:
             rule.of(PneumaticSettings.__post_init__, self)
+            if self.encoder_agonist == self.encoder_antagonist:
+                rule.broken(
+                    f"encoder_agonist, encoder_antagonist: {self.encoder_agonist} is named for "
+                    "both rods."
+                )
             reach = min(self.home, self.stroke - self.home)
             lower, upper = self.limits.position
             if max(-lower, upper) > reach:

@@ -45,8 +45,8 @@ class RegulatorsAlone(AcceptanceStep):
 
     name = "actuators"
     does = (
-        "Each chamber alone gets 5 to 17 kPa, then more, but never so much that a gauge could go "
-        "beyond 20 kPa; you read which gauge moves."
+        "Each chamber alone gets 5 to 17 kPa above the least setpoint, then more, but never so "
+        "much that a gauge could go beyond 20 kPa above it; you read which gauge moves."
     )
     expects = "Its own gauge and its own monitor show what was asked for; no other one moves."
 

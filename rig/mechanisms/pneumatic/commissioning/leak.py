@@ -28,8 +28,9 @@ class LeaksOfChambers(AcceptanceStep):
 
     name = "leak"
     does = (
-        "Every chamber gets 5 to 17 kPa; you brush tubes, fittings and rods with soap water for up "
-        "to a minute; chambers with a lock valve are then shut for 5 s, and you read their gauges."
+        "Every chamber gets 5 to 17 kPa above the least setpoint; you brush tubes, fittings and "
+        "rods with soap water for up to a minute; chambers with a lock valve are then shut "
+        "for 5 s, and you read their gauges."
     )
     expects = "No fitting bubbles, and a locked chamber keeps its air."
 

@@ -71,7 +71,7 @@ def _energised(site: Site) -> Iterator[Energy]:
 
 REACTING = Reacting(
     _energised,
-    "Every chamber gets 5 to 17 kPa",
+    "Every chamber gets 5 to 17 kPa above the least setpoint",
     "the chambers are vented",
     _KEPT,
 )

@@ -21,7 +21,10 @@ class ResponseTimes(AcceptanceStep):
     """A step of every setpoint at once: how soon the monitors follow."""
 
     name = "response"
-    does = "Every chamber goes from 8 kPa to 14 kPa (on valves 12 kPa) in one step."
+    does = (
+        "Every chamber goes from 8 kPa to 14 kPa (on valves 12 kPa) above the least setpoint, "
+        "in one step."
+    )
     expects = (
         "Each monitor follows as fast as the profile's regulator_response says, dead time and all."
     )

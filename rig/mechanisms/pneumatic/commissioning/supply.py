@@ -17,8 +17,8 @@ class SupplyAndDump(AcceptanceStep):
 
     name = "supply"
     does = (
-        "Every chamber is asked for 5 to 17 kPa with the supply shut, open, and shut again; "
-        "a chamber on a valve then goes from 4 to 9 kPa, alone."
+        "Every chamber is asked for 5 to 17 kPa above the least setpoint with the supply shut, "
+        "open, and shut again; a chamber on a valve then goes from 4 to 9 kPa, alone."
     )
     expects = "Pressure comes with the supply alone, and leaves by the dump valve when it shuts."
 
