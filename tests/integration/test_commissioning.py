@@ -137,7 +137,7 @@ def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, cap
     told = capsys.readouterr().err
     assert "FAILED" not in told
     assert told.endswith(
-        "interrupted; what has passed is kept, go on with: rig commission "
+        "interrupted; the rig is made safe; what has passed is kept, go on with: rig commission "
         f"{configs / 'rigs' / 'cylinder.yaml'} --on virtual --seed 1\n"
     )
     assert invoke(words) == 0
