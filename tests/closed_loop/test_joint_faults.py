@@ -45,7 +45,7 @@ FAULTS = {
     "regulator-open": (
         plant("regulator_open", 0),
         PRESSURE,  # or sooner: its rod runs away
-        ("regulators: the regulator of ch1 is stuck open", "kPa off a healthy regulator, even of a late one, for"),
+        ("regulators: the regulator of ch1 is stuck open", "regulator, even of a late one, for"),
     ),
     "regulator-closed": (
         plant("regulator_closed", 1),
