@@ -20,7 +20,9 @@ class Case(NamedTuple):
 
 # At their own rates, the joint at 1 kHz; what is repeated in an experiment is done once here.
 CASES = (
-    Case("cylinder", "cylinder-step", "vcan0", set_all(reference__repeats=1)),
+    # A step ends where the seals hold it: within 0.6 mm nine times of ten, 1.1 mm off with frames
+    # that take no time.
+    Case("cylinder", "cylinder-sine", "vcan0"),
     Case("joint", str(Path(__file__).with_name("joint-lap.yaml")), "vcan1,vcan2"),
     Case("arm", "arm-wrist-hit", "vcan3"),
     Case("arm-odrive", "arm-wrist-hit", "vcan4"),
