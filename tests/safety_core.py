@@ -35,11 +35,13 @@ SAFETY_CORE = {
     # What a mechanism watches, and what it lets through.
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
+        "mechanisms/test_pneumatic_stray_pressures.py",
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
     "rig/mechanisms/pneumatic/alarms/answers.py": (
+        "mechanisms/test_pneumatic_stray_pressures.py",
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",

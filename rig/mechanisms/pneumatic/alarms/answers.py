@@ -19,23 +19,8 @@ class ChannelAnswers:
     """
 
     __slots__ = (
-        "expected",
-        "held",
-        "jump",
-        "lag_mean",
-        "lag_power",
-        "likeness",
-        "mean",
-        "near_at",
-        "off",
-        "power",
-        "prompt",
-        "prompt_rate",
-        "quick_at",
-        "rate",
-        "slow",
-        "slow_rate",
-        "usual",
+        "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "near_at", "off",
+        "power", "prompt", "prompt_rate", "quick_at", "rate", "slow", "slow_rate", "usual",
         "well_at",
     )  # fmt: skip
 
@@ -71,14 +56,16 @@ class ChannelAnswers:
         self.off = max(pressure - max(late, prompt), 0.0) + min(pressure - min(late, prompt), 0.0)
 
     def strays(self, pressure: float, setpoint: float, most: float) -> bool:
-        """Return whether nothing late explains a pressure: it is beside all of its way, Pa."""
+        """Return whether a pressure is more than `most`, Pa, beside all that a late answer passes.
+
+        Every answer is on its way from where it was to the setpoint: the slow one is the last.
+        """
         late, prompt, slow = self.expected, self.prompt, self.slow
         pressure -= self.usual
-        return not (
-            min(late, prompt, slow, setpoint) - most
-            <= pressure
-            <= max(late, prompt, slow, setpoint) + most
-        )
+        if -most <= pressure - late <= most:  # most of the time, and cheap
+            return False
+        way = (late, prompt, slow, setpoint)
+        return not min(way) - most <= pressure <= max(way) + most
 
     def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
         """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
