@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rig.cli.names import TUNED_LAW
+
 if TYPE_CHECKING:
     from rig.config import Profile
 
-_TUNED_FIRST = "cascade"
-"""The law that `rig tune` tunes where none is named."""
 _GAINS = "controllers"
 
 
@@ -54,7 +54,7 @@ def _sentence(
     if keys and profile.calibration is None:
         steps.append(f"rig calibrate {profile.argument} --all")
     if laws:
-        which = "" if _TUNED_FIRST in laws else f" --controller {laws[0]}"
+        which = "" if TUNED_LAW in laws else f" --controller {laws[0]}"
         steps.append(f"rig tune {profile.argument}{which}")
     if steps:
         told += f". Next: {', then '.join(steps)}"

@@ -13,6 +13,7 @@ from rig.cli.names import (
     complete_rig,
     configs_option,
     json_option,
+    law_option,
     out_option,
     seed_option,
     set_option,
@@ -38,7 +39,7 @@ _UNITS = {"crossover": "rad/s", "phase": "rad", "delay": "s", "sensitivity": "1"
 
 @click.command()
 @click.argument("rig", shell_complete=complete_rig)
-@click.option("--controller", default="cascade", show_default=True, help="The law.")
+@law_option
 @click.option(
     "--on", "on", type=OnBackend(), default="virtual", show_default=True,
     help="As for `rig run`.",

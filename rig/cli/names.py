@@ -198,3 +198,7 @@ workers_option = click.option(
     help="How many processes.",
 )  # fmt: skip
 json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
+
+TUNED_LAW = "cascade"
+"""The law whose gains are looked for and measured where none is named."""
+law_option = click.option("--controller", default=TUNED_LAW, show_default=True, help="The law.")

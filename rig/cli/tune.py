@@ -18,6 +18,7 @@ from rig.cli.names import (
     complete_rig,
     configs_option,
     json_option,
+    law_option,
     out_option,
     set_option,
     workers_option,
@@ -36,7 +37,7 @@ _KEPT = ("controller", "experiment", "seed", "workers", "out", "overrides", "con
 
 @click.command()
 @click.argument("rig", shell_complete=complete_rig)
-@click.option("--controller", default="cascade", show_default=True, help="The law.")
+@law_option
 @click.option(
     "--for", "experiment", metavar="EXPERIMENT", shell_complete=complete_config,
     help="Tune for its motion; default: slow and fast ones of the rig, and holds.",

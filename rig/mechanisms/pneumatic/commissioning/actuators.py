@@ -141,8 +141,8 @@ def _setpoint_scale(
     channel: str, gauge: float, asked: float, bounds: tuple[float, float], unsure: float
 ) -> MeasuredValue:
     """Return the gauge over what was asked for; raise if a scale is wrong."""
-    name = f"{channel}: gauge over setpoint, {asked / 1e3:g} kPa"
-    low, high = bounds[0] - unsure / asked, bounds[1] + unsure / asked
+    name = f"{channel}: gauge over setpoint, {asked / 1e3:.3g} kPa"
+    low, high = max(bounds[0] - unsure / asked, 0.0), bounds[1] + unsure / asked
     value = MeasuredValue(name, gauge / asked, "1", low, high)
     return require_within(channel, value, "wrong scale of its setpoint")
 
