@@ -310,6 +310,21 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "channel.off > 0.0 -> channel.off >= 0.0",
         "asked of the channel that is farthest off only",
     ),
+    *(
+        Equivalent(
+            "rig/mechanisms/pneumatic/alarms/answers.py",
+            "if -most <= pressure - late <= most:  # most of the time, and cheap",
+            change,
+            "it only saves the second half, which finds the same",
+        )
+        for change in (
+            "-most <= pressure - late <= most -> False",
+            "-most -> most",
+            "-most <= pressure - late <= most -> -most < pressure - late <= most",
+            "-most <= pressure - late <= most -> -most <= pressure - late < most",
+            "pressure - late -> pressure + late",
+        )
+    ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/answers.py",
         "return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)",

@@ -47,6 +47,17 @@ def test_what_strays_is_beside_the_setpoint_and_every_answer_to_it(seed, way):
         assert not channel.strays(between, setpoint, 1e3)
 
 
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_at_its_bound_it_does_not_stray(way):
+    channel = Bench().watch._channels[0]
+    channel.expected, channel.prompt, channel.slow = START, START, START + way * 20e3
+    setpoint = START + way * 50e3
+    assert channel.strays(setpoint + way * 30e3, setpoint, 30e3) is False
+    assert channel.strays(START - way * 30e3, setpoint, 30e3) is False
+    assert channel.strays(setpoint + way * 30001.0, setpoint, 30e3) is True
+    assert channel.strays(START - way * 30001.0, setpoint, 30e3) is True
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_strays_and_falls_is_said_to_fall_whatever_is_permitted_of_a_step(seed):
     rng = np.random.default_rng(seed)
