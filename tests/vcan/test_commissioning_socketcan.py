@@ -1,24 +1,39 @@
 """The acceptance test of a rig on SocketCAN: one process simulates it, another one tests it."""
 
 import shutil
+import signal
 
+import numpy as np
 import pytest
 import yaml
-from two_processes import ROOT, Program, set_all, simulate
+from two_processes import ROOT, Program, pause, set_all, simulate
 
 pytestmark = pytest.mark.vcan
 
 RATE = set_all(loop__rate="500 Hz")
+PRESSURES = slice(4, 6)
+"""Columns of a cylinder's truth."""
+PRESSED, VENTED = 5e3, 1e3
+"""Gauge pressure of a chamber that was energised, and of one that moves nothing, Pa."""
 
 
-def commission(rig, on, tmp_path, *options):
+def commissioning(rig, on, tmp_path, *options):
+    """Start the acceptance test with configurations of its own."""
     configs = tmp_path / "configs"
     shutil.copytree(ROOT / "configs", configs, ignore=shutil.ignore_patterns("commissioning"))
     words = ("--on", on, "--out", tmp_path / "runs", "--configs", configs, "--anew", *options)
-    with Program("commission", rig, *words) as program:
+    return Program("commission", rig, *words)
+
+
+def record_of(rig, tmp_path):
+    kept = tmp_path / "configs" / "commissioning" / f"{rig}.yaml"
+    return yaml.safe_load(kept.read_text()) if kept.exists() else None
+
+
+def commission(rig, on, tmp_path, *options):
+    with commissioning(rig, on, tmp_path, *options) as program:
         code = program.end()
-    kept = configs / "commissioning" / f"{rig}.yaml"
-    return code, program.talk, yaml.safe_load(kept.read_text()) if kept.exists() else None
+    return code, program.talk, record_of(rig, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -60,3 +75,22 @@ def test_a_planted_defect_is_found_at_its_step(planted, step, words, tmp_path):
     assert code == 3
     assert f"stopped at {step}: " in talk
     assert words in talk
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=lambda number: number.name)
+def test_a_process_that_is_told_to_end_vents_the_rig(number, tmp_path):
+    truth = tmp_path / "truth.npz"
+    with simulate("cylinder", "vcan0", *RATE, truth=truth) as simulation:
+        with commissioning("cylinder", "vcan0", tmp_path, *RATE) as program:
+            program.wait_for("At once the chambers are vented")
+            pause(0.6)
+            program.send(number)
+            assert program.end() == 130, program.talk
+        pause(0.3)
+        assert simulation.stop() == 0, simulation.talk
+    assert "kept, go on with: rig commission " in program.talk
+    passed = record_of("cylinder", tmp_path)["steps"]
+    assert list(passed) == ["bus", "identity", "emergency-stop", "supply"]
+    pressures = np.load(truth)["rows"][:, PRESSURES]
+    assert pressures.max() > PRESSED
+    assert pressures[-1].max() < VENTED
