@@ -238,6 +238,27 @@ def test_one_swing_far_to_both_sides_is_enough_unless_it_dies_away():
         assert found == at, errors
 
 
+@pytest.mark.parametrize(
+    ("swings", "errors", "pushed"),
+    [
+        (50, [0.0, 3.0, -3.0, 0.0], True),
+        (50, [0.0, -3.0, 3.0, 0.0], True),
+        (3, [0.0, 1.5, -1.5, 1.5, -1.5, 0.0], False),
+    ],
+)
+def test_a_single_swing_is_named_with_the_push_that_may_have_begun_it(swings, errors, pushed):
+    alarm = OscillationAlarm(amplitude=0.25, swings=swings, slowest=8.0, lost=100.0)
+    watched = watch(following=2.0, alarm=alarm)
+
+    def take_all():
+        for k, error in enumerate(errors):
+            watched.check((0.0,), (error,), float(k))
+
+    with pytest.raises(SafetyError, match="oscillates at") as caught:
+        take_all()
+    assert ("; unless it was pushed [" in str(caught.value)) == pushed
+
+
 def test_what_had_begun_to_swing_is_why_a_limit_was_exceeded():
     alarm = OscillationAlarm(amplitude=0.25, swings=50, slowest=8.0, lost=100.0)
     watched = watch(following=2.0, alarm=alarm, names=("ch1", "ch2"))

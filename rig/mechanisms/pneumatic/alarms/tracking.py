@@ -109,6 +109,18 @@ class _Swings:
         (_, before), (_, last) = self._turned[-2:]
         return now - last <= _DUE * (last - before)
 
+    def is_single(self, now: float) -> bool:
+        """Return whether only the last swing was so wide; before it the rod was nearer.
+
+        From there a push may have thrown it to the first end of that swing.
+        """
+        if self.frequency(self._enough, now) is not None:
+            return False
+        if self.frequency(2, now) is None:
+            return True
+        (before, _), _, (last, _) = self._turned[-3:]
+        return abs(before) < _KEPT * abs(last)
+
     def frequency(self, swings: int, now: float) -> float | None:
         """Return the frequency, Hz, if so many swings have lasted until now; else None."""
         turned = self._turned
@@ -191,7 +203,7 @@ class TrackingWatch:
             frequency = swings.update(goal, error, now)
             if frequency is not None:
                 raise SafetyError(
-                    f"{self._say(k, frequency)} [{self._alarm.swings} swings of more than "
+                    f"{self._say_why(k, frequency, now)} [{self._alarm.swings} swings of more than "
                     f"{self._alarm.amplitude * 1e3:g} mm, or one of {following * 1e3:g} mm to "
                     "either side]"
                 )
@@ -254,16 +266,17 @@ class TrackingWatch:
                 raise Shifted(what, here - goal, -following, following, "m")
 
     def suspicion(self, now: float) -> str | None:
-        """Return which rod has begun to swing, for a limit that was exceeded before it lasted.
-
-        A single swing may as well be what a push left behind.
-        """
+        """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""
         for k, swings in enumerate(self._swings):
             frequency = swings.frequency(1, now)
             if frequency is not None and swings.size > self._following and swings.goes_on(now):
-                pushed = "" if swings.frequency(2, now) else "; unless it was pushed"
-                return self._say(k, frequency) + pushed
+                return self._say_why(k, frequency, now)
         return None
+
+    def _say_why(self, k: int, frequency: float, now: float) -> str:
+        """Say how a rod swings; a single swing may as well be what a push left behind."""
+        pushed = "; unless it was pushed" if self._swings[k].is_single(now) else ""
+        return self._say(k, frequency) + pushed
 
     def _say(self, k: int, frequency: float) -> str:
         size, rests = self._swings[k].size * 1e3, self._rests[k]
