@@ -38,6 +38,9 @@ _LOOP: Final = (0.1, 2.4)
 shows is held to the gauge."""
 _SHOWN: Final = (0.7, 1.3)
 """Rise of the monitor over that of the gauge, from the one level to the next."""
+_ARRIVES: Final = 0.4
+"""Share of a monitor's rise that some gauge shows where the air gets to a chamber, whatever scale
+the monitor has."""
 
 
 class RegulatorsAlone(AcceptanceStep):
@@ -66,8 +69,9 @@ class RegulatorsAlone(AcceptanceStep):
                 # Another gauge may show more as long as its chamber's least is more.
                 if max(low.rises) >= SEEN and low.is_told_apart and low.whose == channel:
                     break
-            _find_swapped(channels, number, low)
-            measured.append(_setpoint_scale(channel, low.gauge, level, first, unsure))
+            _find_swapped_wires(channels, number, low)
+            _find_wrong_tube(channel, number, low)
+            measured.append(_setpoint_scale(channel, low, number, level, first, unsure))
             high, lowest, enough, further = low, level, enough + lift, 0.0
             highest = _HIGHEST + lift
             if lift > 0.0:  # chambers that were told apart late
@@ -79,7 +83,7 @@ class RegulatorsAlone(AcceptanceStep):
             slope = given / (level - lowest)
             if not has_valves and _SLOPE[0] <= slope <= _SLOPE[1]:
                 then, further = _FAR, unsure
-            measured.append(_setpoint_scale(channel, high.gauge, level, then, further))
+            measured.append(_setpoint_scale(channel, high, number, level, then, further))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
 
@@ -94,11 +98,20 @@ def _levels_of(chambers: Chambers) -> Vector:
 class _Filled:
     """Readings of monitors and gauges of one filled chamber."""
 
-    def __init__(self, rises: Vector, is_told_apart: bool, answer: str) -> None:
+    def __init__(self, chambers: Chambers, rises: Vector, answer: str) -> None:
         self.rises = rises
-        self.is_told_apart = is_told_apart
+        self.is_told_apart = chambers.is_told_apart(rises)
         self.whose, _, shown = answer.strip().partition(" ")
         self.gauge = parse_reading(shown, "Pa")
+        before = dict(zip(chambers.regulators.channels, chambers.zeros, strict=True))
+        self._before = max(before.get(self.whose, 0.0), 0.0)
+
+    def moved(self, channel: str) -> float:
+        """Return by how much that gauge can have moved, Pa, if `channel` was filled.
+
+        Another chamber shows what it had before: regulators as sold let some kPa in.
+        """
+        return self.gauge - (0.0 if self.whose == channel else self._before)
 
 
 def _fill(site: Site, number: int, pressure: float) -> _Filled:
@@ -113,10 +126,10 @@ def _fill(site: Site, number: int, pressure: float) -> _Filled:
         )
         site.operator.do(task, site.world_of(chambers.rig))
         chambers.bench.run(site.glance(chambers.rig))
-    return _Filled(rises, chambers.is_told_apart(rises), site.operator.answer(task))
+    return _Filled(chambers, rises, site.operator.answer(task))
 
 
-def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> None:
+def _find_swapped_wires(channels: tuple[str, ...], number: int, filled: _Filled) -> None:
     """Raise if another chamber or another monitor answers than the one that was asked."""
     channel, rises = channels[number], filled.rises
     shown = max(range(len(channels)), key=lambda k: rises[k])
@@ -131,6 +144,17 @@ def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> No
         raise Defect(channel, f"monitor wires swapped: the monitor of {other} shows its chamber")
     if shown != number:
         raise Defect(channel, f"setpoint wires swapped: the setpoint of {channel} fills {other}")
+
+
+def _find_wrong_tube(channel: str, number: int, filled: _Filled) -> None:
+    """Raise if the air of a regulator gets nowhere, or into another chamber."""
+    rise = filled.rises[number]
+    if filled.moved(channel) < _ARRIVES * rise:
+        raise Defect(
+            channel,
+            f"its tube is off, leaks or is blocked: its monitor rises by {rise / 1e3:.1f} kPa, and "
+            f"no gauge rises with it; {filled.whose} shows most, {filled.gauge / 1e3:.1f} kPa",
+        )
     if filled.whose != channel:
         raise Defect(
             channel, f"tubes swapped: its regulator is right, and the gauge of {filled.whose} moves"
@@ -138,17 +162,27 @@ def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> No
 
 
 def _setpoint_scale(
-    channel: str, gauge: float, asked: float, bounds: tuple[float, float], unsure: float
+    channel: str,
+    filled: _Filled,
+    number: int,
+    asked: float,
+    bounds: tuple[float, float],
+    unsure: float,
 ) -> MeasuredValue:
-    """Return the gauge over what was asked for; raise if a scale is wrong."""
+    """Return the gauge over what was asked for; raise if a scale is wrong, or seems to be."""
     name = f"{channel}: gauge over setpoint, {asked / 1e3:.3g} kPa"
     low, high = max(bounds[0] - unsure / asked, 0.0), bounds[1] + unsure / asked
-    value = MeasuredValue(name, gauge / asked, "1", low, high)
-    return require_within(channel, value, "wrong scale of its setpoint")
+    value = MeasuredValue(name, filled.gauge / asked, "1", low, high)
+    why = "wrong zero or scale of its setpoint"
+    if value.value < low:
+        leaks = filled.rises[number] > _SHOWN[1] * filled.gauge
+        why += ", or its tube leaks" if leaks else ", or the supply gives no more"
+    return require_within(channel, value, why)
 
 
 def _monitor_scale(channel: str, rise: float, gauge: float) -> MeasuredValue:
     """Return by how much the monitor rose over the gauge; raise if a scale is wrong."""
     name = f"{channel}: monitor over gauge, as it rises"
     value = MeasuredValue(name, rise / max(gauge, 1.0), "1", *_SHOWN)
-    return require_within(channel, value, "wrong scale of its monitor")
+    leaks = ", or its tube leaks" if value.value > value.high else ""
+    return require_within(channel, value, f"wrong scale of its monitor{leaks}")

@@ -44,6 +44,11 @@ overshoots a step by more than the step itself."""
 _BEYOND: Final = 9e3
 """So much more than asked for no chamber of a loop around a valve shows, Pa, unless the loop turns
 the wrong valve, which it would open to the end; uncalibrated ones show up to 7 kPa more."""
+_FAR_BEYOND: Final = 20e3
+"""The same of a regulator, Pa: even one whose scale is wrong by a factor of two shows less."""
+_VENTED: Final = 15e3
+"""So much, either way, a monitor shows at most of a chamber that nothing is asked of, Pa: zeros of
+monitors and of regulators as sold come to half of it."""
 
 
 class Climbed(NamedTuple):
@@ -87,6 +92,7 @@ class Chambers:
         self._wanted = self._asked
         per_cycle = _STEEPEST * bench.rig.profile.loop.period
         self._is_loop = isinstance(regulators, ValveRegulators)
+        self._beyond = _BEYOND if self._is_loop else _FAR_BEYOND
         self._rise = per_cycle if self._is_loop else inf
         least = regulators.pressure_range[0]
         self._least = max(least, 0.0)  # no chamber is below the air around it
@@ -120,24 +126,67 @@ class Chambers:
             min(wanted, asked + self._rise)
             for wanted, asked in zip(self._wanted, self._asked, strict=True)
         )
-        if self._is_loop and self.zeros:
-            self._look_for_another_valve()
+        self._look_for_too_much()
         self.regulators.set_pressure(self._asked)
 
-    def _look_for_another_valve(self) -> None:
-        """Raise if a chamber fills further than any was asked to."""
+    def _look_for_too_much(self) -> None:
+        """Raise if a chamber fills further than any was asked to, before its rod runs away."""
         shown = self.regulators.pressure().value
-        for channel, pressure, zero in zip(
-            self.regulators.channels, shown, self.zeros, strict=True
-        ):
-            beyond = pressure - zero - self._highest
-            if beyond > _BEYOND:
+        if not self.zeros:  # nothing is asked for yet, and what was before may be on its way out
+            self._require_vented(shown, self._beyond)
+            return
+        rises = tuple(p - zero for p, zero in zip(shown, self.zeros, strict=True))
+        for channel, rise in zip(self.regulators.channels, rises, strict=True):
+            more = rise - self._highest
+            if more > self._beyond:
                 raise Defect(
                     channel,
-                    f"its pressure goes {beyond / 1e3:.1f} kPa beyond what was asked for: setpoint "
-                    "wires swapped, monitor wires swapped, wrong scale of its monitor, or wrong "
-                    "scale of its setpoint",
+                    f"its pressure goes {more / 1e3:.1f} kPa beyond what was asked for: "
+                    f"{self._why_too_much(rises)}",
                 )
+
+    def _why_too_much(self, rises: Vector) -> str:
+        """Return what fills a chamber further than any was asked to."""
+        scales = "wrong scale of its monitor, or wrong scale of its setpoint"
+        if not self._is_loop:
+            return f"its regulator is stuck open, wrong zero of its setpoint, {scales}"
+        dead = [
+            channel
+            for channel, rise, asked in zip(
+                self.regulators.channels, rises, self._asked, strict=True
+            )
+            if rise < SEEN and asked - self._least > SEEN
+        ]
+        # Its own loop opens such a valve to the end, and the rod that comes presses on this one.
+        other = f"the monitor of {' or '.join(dead)} shows nothing of its chamber, " if dead else ""
+        return (
+            "its valve is stuck open or leaks, setpoint wires swapped, monitor wires swapped, "
+            f"{other}{scales}"
+        )
+
+    def take_zeros(self) -> None:
+        """Keep what the monitors show before anything is asked for.
+
+        Raises
+        ------
+        Defect
+            It is more, or less, than a chamber can have that nothing is asked of.
+        """
+        zeros = self.means()
+        self._require_vented(zeros)
+        self.zeros = zeros
+
+    def _require_vented(self, pressures: Vector, more: float = 0.0) -> None:
+        for channel, pressure in zip(self.regulators.channels, pressures, strict=True):
+            if -_VENTED - more <= pressure <= self._least + self.unsure + _VENTED + more:
+                continue
+            part = "valve" if self._is_loop else "regulator"
+            stuck = f", or its {part} is stuck open" if pressure > 0.0 else ""
+            raise Defect(
+                channel,
+                f"its monitor shows {pressure / 1e3:.1f} kPa before anything is asked for: wrong "
+                f"zero or scale of its monitor{stuck}",
+            )
 
     def set_all(self, pressure: float, duration: float = SETTLE) -> None:
         """Give every chamber the same setpoint, so that forces balance; see `set`."""
@@ -191,14 +240,35 @@ class Chambers:
             One does not answer.
         """
         rises = self.climb().rises
-        if min(rises) < SEEN:
-            channel = self.regulators.channels[rises.index(min(rises))]
-            raise Defect(
-                channel,
-                f"its monitor shows nothing of {self.levels[-1] / 1e3:.4g} kPa: its regulator is "
-                "stuck, or the scale of its setpoint is much too small",
-            )
+        self.require_answers(rises)
         return rises
+
+    def require_answers(self, rises: Vector) -> None:
+        """Raise unless every monitor has risen.
+
+        Raises
+        ------
+        Defect
+            One does not answer, or none does.
+        """
+        if min(rises) >= SEEN:
+            return
+        level = f"of {self.levels[-1] / 1e3:.4g} kPa"
+        if max(rises) < SEEN:
+            raise Defect(
+                self.regulators.channels[0],
+                f"no pressure rises with the supply open ({max(rises) / 1e3:.1f} kPa {level}): the "
+                "supply does not open, or has no pressure; or every regulator or valve is stuck",
+            )
+        number = rises.index(min(rises))
+        # Beside a regulator a monitor shows nothing of the tube, at a chamber it does.
+        own = "valve is stuck, its tube is off" if self._is_loop else "regulator is stuck"
+        raise Defect(
+            self.regulators.channels[number],
+            f"its monitor shows {max(rises[number], 0.0) / 1e3:.1f} kPa {level}, and others rise: "
+            f"its {own}, its output or its monitor is not wired or frozen, or the scale of its "
+            "setpoint is much too small",
+        )
 
     def rises(self) -> Vector:
         """Return by how much each monitor shows more than vented, Pa; averaged."""
@@ -263,7 +333,7 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
         chambers = Chambers(StepBench(rig), regulators)
         least = regulators.pressure_range[0]
         chambers.set_all(least, SETTLE if least > 0.0 else 0.3)  # which fills the chambers
-        chambers.zeros = chambers.means()
+        chambers.take_zeros()
         yield chambers
 
 

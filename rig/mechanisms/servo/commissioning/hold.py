@@ -42,7 +42,10 @@ class HoldStill(AcceptanceStep):
             try:
                 axes.bench.run(ENABLED, MotorWatch(axes).look)
             except DeviceFault as fault:
-                what = "it does not hold: its encoder is mirrored or frozen, or its scale is wrong"
+                what = (
+                    "it does not hold: its encoder is mirrored or frozen, or its scale is wrong, "
+                    "or what it bears needs more torque than it is permitted"
+                )
                 raise Defect(fault.device, f"{what}; {fault}") from fault
             held = axes.shown()
             holding = Task("hold.still", "Do all joints stand still (yes, no)?", _still)

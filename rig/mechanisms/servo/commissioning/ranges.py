@@ -7,6 +7,7 @@ from typing import Final
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
+from rig.hal import DeviceFault
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.servo.commissioning.axes import angle_of, axis_names, listened, true_angles
 
@@ -26,7 +27,13 @@ class AxesInRange(AcceptanceStep):
         names = axis_names(site.profile)
         tasks = {name: _read(name) for name in names}
         with listened(site) as axes:
-            axes.bench.run(0.05)
+            try:
+                axes.bench.run(0.05)
+            except DeviceFault as fault:
+                what = (
+                    "it does not rest without energy: its brake does not hold, or it is not hung up"
+                )
+                raise Defect(fault.device, f"{what}; {fault}") from fault
             shown = axes.shown()
             for task in tasks.values():
                 site.operator.do(task, site.world_of(axes.rig))
