@@ -11,6 +11,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Final, TypeVar
 
+from drivers.can.milliseconds import to_milliseconds
 from drivers.canopen.asked import AskedObjects
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.emergency import EmergencyLatch, describe_register
@@ -113,8 +114,8 @@ class CanopenNode:
                 value=f"0x{register:02X} ({describe_register(int(register))})",
             )
         settings = self._bus.settings
-        self.write(0x1017, 0, "u16", _milliseconds(settings.heartbeat))
-        timeout = _milliseconds(settings.heartbeat_timeout)
+        self.write(0x1017, 0, "u16", to_milliseconds(settings.heartbeat))
+        timeout = to_milliseconds(settings.heartbeat_timeout)
         self.write(0x1016, 1, "u32", settings.master_id << 16 | timeout)
         self._check_alone()
         return device_type >> 16
@@ -149,7 +150,7 @@ class CanopenNode:
         """Let its first receive PDOs stay away for so long (s), once they have come."""
         if deadline is not None:
             for number in range(count):
-                self.write(_RECEIVE + number, 5, "u16", _milliseconds(deadline))
+                self.write(_RECEIVE + number, 5, "u16", to_milliseconds(deadline))
 
     def arm(self) -> None:
         """Start the node and wait until its heartbeat says OPERATIONAL.
@@ -389,10 +390,6 @@ class CanopenNode:
 def pdo_id(number: int, node: int) -> int:
     """Return the identifier of a node's receive PDO, in the pre-defined connection set."""
     return 0x100 + 0x100 * number + node
-
-
-def _milliseconds(seconds: float) -> int:
-    return max(1, round(seconds * 1e3))
 
 
 def _show(value: float) -> str:

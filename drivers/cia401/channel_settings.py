@@ -135,6 +135,17 @@ class SetpointSignal(PressureSignal):
 
     index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6411
 
+    def __post_init__(self) -> None:
+        with Rules() as rule:
+            rule.of(PressureSignal.__post_init__, self)
+            low, high = self.pressure
+            if low > high:
+                rule.broken(
+                    f"pressure: {low:g} … {high:g} Pa falls; without a signal, as of a wire that "
+                    "breaks, the regulator would give the most that it has. Give the lower end "
+                    "first."
+                )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpeningSignal(AnalogueSignal):

@@ -99,6 +99,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
+        self.no_contact = "" if self._stop else "stop_bit"
         self._pressed_level = 0 if settings.stop_active_low else self._stop
 
         self._receive_layouts = pack(settings.receive_entries)
@@ -290,8 +291,7 @@ class AnalogueModule(IdentifiedDevice, EmergencyStopInput):
     def look(self) -> None:
         """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
         if self._stop:
-            contact = DIGITAL_INPUT
-            self._node.asked.ask(contact.object, contact.sub, self._take_look)
+            self._node.asked.ask(DIGITAL_INPUT.object, DIGITAL_INPUT.sub, self._take_look)
 
     def _take_look(self, data: bytes, now: float) -> None:
         self._see_stop(data[0], now)

@@ -6,6 +6,7 @@ from typing import Annotated, Final, Literal
 
 from annotated_types import Interval, Unit
 
+from drivers.can.milliseconds import check_milliseconds
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.mapping import SIZES, Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
@@ -74,6 +75,11 @@ class ModuleSettings(NodeSettings):
                             f"{entry}."
                         )
                     owner[entry] = name
+            if self.setpoint_deadline is not None:
+                rule.of(
+                    check_milliseconds, "setpoint_deadline", self.setpoint_deadline,
+                    "object 0x1400:05",
+                )  # fmt: skip
             rule.of(NodeSettings.__post_init__, self)
             rule.of(pack, self.receive_entries)
             rule.of(pack, self.transmit_entries)

@@ -60,6 +60,7 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
         self._watched_first = sorted(self.drives, key=lambda drive: drive.contact is None)
         self._watched = self._watched_first[0]
         self._contact = self._watched.contact
+        self.no_contact = "stop_contact" if self._contact is None else ""
         self._is_spoken_to = False
 
     def connect(self) -> None:

@@ -8,6 +8,7 @@ from annotated_types import Gt, Interval, Le, MinLen, Unit
 
 from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
+from drivers.can.milliseconds import check_milliseconds
 from drivers.servos.axis_settings import FollowingAxisSettings, bounds_of
 from rig.hal import Address
 from rig.hal.driver import AxisBounds
@@ -147,6 +148,8 @@ class OdriveSettings(CanDeviceSettings):
     fault_after: Annotated[int, Interval(ge=2, le=100)] = 5
 
     def __post_init__(self) -> None:
+        check_milliseconds("heartbeat", self.heartbeat, "heartbeat_msg_rate_ms")
+        check_milliseconds("encoder_period", self.encoder_period, "encoder_msg_rate_ms")
         owner: dict[int, str] = {}
         for name, joint in self.joints.items():
             if joint.axis in owner:

@@ -90,6 +90,12 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     stop = mechanism.stop_input()
     if stop is not None:
         check_offers(f"{what}: its stop_input", stop, EmergencyStopInput)
+        if stop.no_contact:  # it would read pressed for ever
+            raise ConfigurationError(
+                f"{profile.mechanism}.emergency_stop: {stop.name} reads no contact; give "
+                f"devices.{stop.name}.{stop.no_contact}, where the contact is wired to, or leave "
+                "emergency_stop out, if the rig has none"
+            )
     return mechanism
 
 

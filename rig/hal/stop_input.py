@@ -15,10 +15,13 @@ class EmergencyStopInput(Protocol):
         The device's name in the profile.
     looks_alone : bool
         Whether `look` works before `connect`, which a drive that holds its joint would let go at.
+    no_contact : str
+        The key of its settings that would say where the contact is, if none says it; else empty.
     """
 
     name: str
     looks_alone: bool = False
+    no_contact: str = ""
 
     @abstractmethod
     def emergency_stop(self) -> Reading[bool]:

@@ -65,6 +65,6 @@ def test_the_rate_that_is_said_to_fit_fits_and_little_more_does(rate, heartbeat)
 
 
 def test_what_beats_too_often_fits_at_no_rate():
-    bus = CanBusSettings("virtual", "x", bitrate=125_000, heartbeat=5e-4, heartbeat_timeout=1)
+    bus = CanBusSettings("virtual", "x", bitrate=125_000, heartbeat=1e-3, heartbeat_timeout=1)
     with pytest.raises(ConfigurationError, match="no rate would fit"):
         check_bus_load("can0", bus, [("rod", Cia406Settings(node=1, stroke=0.1))], 100.0)

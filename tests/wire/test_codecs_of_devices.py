@@ -22,7 +22,6 @@ PLAIN = SetpointSignal(sub=1, voltage=(0.0, 10.0), pressure=(0.0, 9 * BAR))
 EXTENDED = replace(PLAIN, raw=(0.0, 30518.0))  # 0x7736 at 10 V
 TWELVE_BIT = replace(PLAIN, raw=(0.0, 4095.0), type="u16")
 OFFSET = replace(PLAIN, pressure=(0.2 * BAR, 5.2 * BAR))
-FALLING = replace(PLAIN, pressure=(5 * BAR, 0.0))
 FLOAT = replace(PLAIN, type="f32", raw=(0.0, 10.0))
 
 
@@ -39,8 +38,6 @@ FLOAT = replace(PLAIN, type="f32", raw=(0.0, 10.0))
         (OFFSET, 0.2 * BAR, "0000"),
         (OFFSET, 0.0, "0000"),
         (OFFSET, 5.2 * BAR, "FF7F"),
-        (FALLING, 5 * BAR, "0000"),
-        (FALLING, 0.0, "FF7F"),
         (FLOAT, 4.5 * BAR, "0000A040"),
     ],
 )

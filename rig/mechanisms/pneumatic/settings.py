@@ -164,6 +164,12 @@ class PneumaticSettings:
                     f"base_pressure ({self.base_pressure:g} Pa) is outside limits.pressure "
                     f"{low:g} … {high:g} Pa."
                 )
+            elif self.base_pressure == low:
+                rule.broken(
+                    f"base_pressure ({self.base_pressure:g} Pa) is the least of limits.pressure: "
+                    "no chamber could give way to its opponent, and at 0 Pa wires hang slack at "
+                    f"rest; give more than {low:g} Pa."
+                )
             rule.of(self._check_alarms)
 
     def _check_alarms(self) -> None:

@@ -6,8 +6,9 @@ import struct
 import pytest
 from node_fakes import NodeBench
 
+from drivers.can.milliseconds import to_milliseconds
 from drivers.canopen.mapping import Entry
-from drivers.canopen.node import _milliseconds, _show, pdo_id
+from drivers.canopen.node import _show, pdo_id
 from rig.hal import ConnectionFailed, DeviceFault
 
 SEEDS = range(3)
@@ -120,8 +121,8 @@ def test_two_devices_of_one_number_answer_more_than_they_were_asked(bench, surpl
     assert f"{surplus} answers more than there were questions" in said
 
 
-def test_times_are_told_in_milliseconds_and_never_none():
-    assert [_milliseconds(s) for s in (0.0, 1e-4, 1e-3, 1.4e-3, 1.6e-3, 0.25)] == [
+def test_times_are_told_into_milliseconds_and_never_none():
+    assert [to_milliseconds(s) for s in (0.0, 1e-4, 1e-3, 1.4e-3, 1.6e-3, 0.25)] == [
         1,
         1,
         1,
