@@ -1,12 +1,13 @@
 """Who answers on a profile's CAN buses, and whether that is what the profile says."""
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import NamedTuple, Protocol, cast
 
 from rig.assembly.buses import is_can, make_bus
 from rig.assembly.on_interfaces import Interfaces
+from rig.assembly.one_wire import AskingBus, find_one_wire, forget_waiting
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Rig
 from rig.assembly.rows import load
@@ -131,19 +132,42 @@ def _survey(
     clock: Clock,
 ) -> list[Answer]:
     answers: list[Answer] = []
-    for name in names:
-        path = REGISTRY.protocol(profile.buses[name].protocol).discovery
-        if path is None:
-            continue
-        expected = expected_on(profile, name)
-        numbers = [item.number for item in expected]
-        with lend(name) as bus:
+    paths = {name: REGISTRY.protocol(profile.buses[name].protocol).discovery for name in names}
+    with ExitStack() as lent:
+        lines: dict[str, FastCanBus] = {
+            name: cast("FastCanBus", lent.enter_context(lend(name)))
+            for name, path in paths.items()
+            if path is not None and is_can(profile.buses[name])
+        }
+        for name, path in paths.items():
+            if path is None:
+                continue
+            expected = expected_on(profile, name)
+            numbers = [item.number for item in expected]
             try:
-                found: list[Found] = load(path)(bus, clock, numbers)
+                if name in lines:
+                    found = _ask_alone(path, name, lines, clock, numbers)
+                else:
+                    with lend(name) as line:
+                        found = load(path)(line, clock, numbers)
+            except DeviceFault:
+                raise
             except Exception as error:  # each interface has errors of its own
                 raise _refusal(name, error) from error
-        answers += compare(name, expected, {item.node: item for item in found})
+            answers += compare(name, expected, {item.node: item for item in found})
     return answers
+
+
+def _ask_alone(
+    path: str, name: str, lines: Mapping[str, FastCanBus], clock: Clock, numbers: Sequence[int]
+) -> list[Found]:
+    """Ask a CAN bus who is there; raise if another one hears the questions."""
+    others = {other: bus for other, bus in lines.items() if other != name}
+    forget_waiting(others)
+    asked = AskingBus(lines[name])
+    found: list[Found] = load(path)(asked, clock, numbers)
+    find_one_wire(name, asked, others)
+    return found
 
 
 def _refusal(bus: str, error: Exception) -> DeviceFault:
