@@ -25,6 +25,10 @@ _HOLDS = 50e3
 """Pa gauge: what is in a chamber that pulls more than its seals hold."""
 TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
+_FLOW = 2.7e-3
+"""m3/s: what a hole lets out, whose opponent throws the pair at its end. The emergency stop in the
+very instant keeps a pair within its margin up to 3.2e-3; half a millimetre of motion, by which
+anybody sees it, takes 8 ms, and leaves this."""
 _OVERPOWERING_WIRES = 2.0
 """N s, 20 N for a tenth of a second: as much as chambers can pull that have …"""
 _GIVES = 110e3
@@ -120,12 +124,14 @@ def empties_at_once(plight: Plight) -> frozenset[str]:
     """Forgive what a chamber does that is empty before its opponents can be.
 
     Through a tube of 3.5 mm it loses half of its pressure in 4 ms, and a regulator takes 17 ms:
-    that is a wire cut a little more slowly, with less energy for the mechanical stop. Where no
-    opponent pulls more than seals hold, nothing is forgiven.
+    that is a wire cut a little more slowly, with less energy for the mechanical stop. At high
+    pressures a narrower one does it. Where no opponent pulls more than seals hold, nothing is
+    forgiven.
     """
-    pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
-    wide = (plight.sizes.magnitude or 0.0) >= TUBE
-    return ON_A_WIRE if wide and max(pressures) > _HOLDS else frozenset()
+    most = max(value for name, value in plight.truth.items() if name.startswith("pressure_"))
+    width = plight.sizes.magnitude or 0.0
+    wide = width >= TUBE or width * most > _FLOW
+    return ON_A_WIRE if wide and most > _HOLDS else frozenset()
 
 
 def has_valves(subject: Subject) -> bool:

@@ -29,7 +29,7 @@ from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.targets import PairTargets
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
-from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
+from rig.mechanisms.pneumatic.alarms.tracking import Gone, TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -264,7 +264,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
             raise SafetyError(f"a reading is not a number: {state}")
         lower, upper = self._lower, self._upper
         if not lower <= position <= upper:
-            raise LimitExceeded("position of the pair", position, lower, upper, "m")
+            raise Gone("position of the pair", position, lower, upper, "m")
         self._position, self._now = position, now
         self._watch.check(state, self._extensions, now)
 
@@ -334,7 +334,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     def check_still(self, home: PairReference) -> None:
         """See `Mechanism.check_still`."""
         most = _STILL * (self._upper - self._lower)
-        self._tracking.check_still((home.position,), (self._position,), most)
+        self._tracking.check_still((home.position,), (self._position,), self._now, most)
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

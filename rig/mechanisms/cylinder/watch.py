@@ -12,7 +12,7 @@ from rig.mechanisms.pneumatic.alarms.balance import PullBalance
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
 from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
-from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Gone, Shifted, Strayed
 from rig.mechanisms.pneumatic.alarms.unheld import explain_unheld
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
@@ -134,6 +134,8 @@ class PairWatch:
         self._balance.note(now, rods, (agonist, antagonist))
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
+        if (cause := self._balance.explain_run()) is not None:
+            raise SafetyError(f"{self._explain_run() or cause} [the pair runs]")
 
     def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""
@@ -148,14 +150,24 @@ class PairWatch:
                 cause = cause or self._explain_push(k) or self._explain_push(1 - k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
-            if cause is None and isinstance(error, Strayed):
-                explain = self._balance.explain_gone if error.ran else self._balance.explain_off
-                cause = explain(error.value, 0) or self._balance.explain_crept(0)
-            if cause is None and isinstance(error, Shifted):
-                cause = self._explain_shift()
+            cause = cause or self._explain_place(error)
         elif isinstance(error, PressureOff):
             cause = explain_scatter(self._encoders, self._balance.rods)
         return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def _explain_place(self, error: LimitExceeded) -> str | None:
+        """Return why the pair is where it should not be, if that is the error."""
+        balance, off = self._balance, error.value
+        match error:
+            case Strayed():
+                why = balance.explain_gone(off, 0) if error.ran else balance.explain_off(off, 0)
+                return why or balance.explain_crept(0)
+            case Shifted():
+                gone = balance.explain_gone(off, 0) if error.ran else None
+                return self._explain_shift() or gone
+            case Gone() if balance.rods and not balance.drives(off, 0):
+                return balance.explain_gone(off, 0)
+        return None
 
     def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:
         """Return how much the rods' agreement has changed, m; 0 while the wires may be slack."""

@@ -59,6 +59,6 @@ class RodsFollow:
         else:
             self._unpushed.check(push, rods, now)
 
-    def check_still(self, stood: Quadruple, rods: Quadruple) -> None:
+    def check_still(self, stood: Quadruple, rods: Quadruple, now: float) -> None:
         """Raise if a rod moves from where it stood, m, while the chambers fill."""
-        self._tracking.check_still(stood, rods, self._sway)
+        self._tracking.check_still(stood, rods, now, self._sway)

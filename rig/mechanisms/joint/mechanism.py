@@ -319,7 +319,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
 
     def check_still(self, home: JointReference) -> None:
         """See `Mechanism.check_still`; the rods were where they stood, whatever they show of it."""
-        self._follow.check_still(self._stood, self._rods)
+        self._follow.check_still(self._stood, self._rods, self._now)
 
     def check_command(self, reference: JointReference, command: JointCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""

@@ -16,7 +16,7 @@ from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff, PressureWatch
 from rig.mechanisms.pneumatic.alarms.scatter import explain_scatter
-from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 from rig.mechanisms.pneumatic.alarms.unheld import explain_unheld
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
@@ -165,6 +165,9 @@ class JointWatch:
         if cause is None and isinstance(error, LimitExceeded):
             cause = self._balance.explain()
         cause = cause or self._pressures.suspicion()
+        if cause is None and isinstance(error, Shifted) and error.ran:
+            number, off = _pair_of(error.rod, error.value)
+            cause = self._balance.explain_gone(off, number)
         if cause is None and isinstance(error, DeviceFault):
             emptied = self._balance.explain_emptied(_number_of(k))
             cause = emptied or self._explain_push(k, rods)

@@ -113,9 +113,16 @@ def test_a_wide_tube_off_is_a_cut_wire_while_another_chamber_pulls(seed):
     case = case._replace(truth=truth, sizes=Sizes(wide, math.inf))
     assert "energy left" not in row.excuses(case)
     assert {"tilt", "speed"} < row.excuses(case)
-    narrow = case._replace(sizes=Sizes(chance.uniform(1e-8, 1.49e-8), math.inf))
+    narrow = case._replace(
+        sizes=Sizes(min(chance.uniform(1e-8, 1.49e-8), 2.69e-3 / pulls), math.inf)
+    )
     empty = case._replace(truth=dict(truth, pressure_ch2=chance.uniform(0.0, 49e3)))
     assert row.excuses(narrow) == row.excuses(empty) == frozenset()
+    for flow, forgiven in ((2.69e-3, False), (2.71e-3, True)):  # m3/s: much at high pressures
+        high = case._replace(
+            truth=truth | {"pressure_ch2": 340e3}, sizes=Sizes(flow / 340e3, math.inf)
+        )
+        assert ("speed" in row.excuses(high)) is forgiven
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -422,7 +422,7 @@ def test_a_pair_that_lags_after_it_crept_against_its_pull_has_lost_air(sign, wea
 def test_a_pair_that_slides_is_not_held_whatever_its_monitors_say():
     rods = pulled(0)
     for k in range(32):
-        way = 1e-4 * k
+        way = 0.9e-4 * k
         rods.cycle(-way, way)
     assert rods.watch._balance.explain() is not None
     assert rods.watch.explain_held() is None

@@ -35,7 +35,7 @@ class Believing:
     estimate = (0.25, -3.0)
 
 
-def swing(bench, times, amplitude=2.5e-3, half_period=64):
+def swing(bench, times, amplitude=2e-3, half_period=64):
     """Let the pair swing about a reference that stands still; return the time."""
     now = 0.0
     for k in range(times * half_period):

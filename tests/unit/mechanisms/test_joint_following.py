@@ -85,9 +85,9 @@ def test_who_drives_a_rod_is_asked_for():
 
 def test_nothing_moves_while_chambers_fill_and_a_swing_is_suspected():
     watched = RodsFollow(SETTINGS)
-    watched.check_still(UPRIGHT, off(UPRIGHT, 4, FOLLOWING))
+    watched.check_still(UPRIGHT, off(UPRIGHT, 4, FOLLOWING), 0.0)
     with pytest.raises(LimitExceeded, match="way of the rod of ch4 while nothing controls it"):
-        watched.check_still(UPRIGHT, off(UPRIGHT, 4, 1.001 * FOLLOWING))
+        watched.check_still(UPRIGHT, off(UPRIGHT, 4, 1.001 * FOLLOWING), 1.0)
     assert watched.suspicion(0.0) is None
     size = 1.5 * SETTINGS.alarms.oscillation.amplitude
     for k, error in enumerate((0.0, 0.5, -0.5, 0.5, -0.5, 0.0)):

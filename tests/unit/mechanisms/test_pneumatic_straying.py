@@ -147,21 +147,21 @@ def test_what_is_held_is_told_once_no_seal_lets_go_so_late():
 def test_nothing_moves_while_chambers_fill(sign):
     watched = watch(names=("the rod of ch1", "the rod of ch2"))
     home, away = (0.25, 0.5), sign * 2.0**-9
-    watched.check_still(home, (home[0] + away, home[1]))
+    watched.check_still(home, (home[0] + away, home[1]), 1.0)
     bound = sign * FOLLOWING
     with pytest.raises(LimitExceeded, match="way of the rod of ch2 while nothing controls it"):
-        watched.check_still(home, (home[0], home[1] + 1.01 * bound))
+        watched.check_still(home, (home[0], home[1] + 1.01 * bound), 2.0)
     with pytest.raises(LimitExceeded) as told:
-        watched.check_still((0.0, 0.0), (2.0 * bound, 0.0))
+        watched.check_still((0.0, 0.0), (2.0 * bound, 0.0), 3.0)
     fault = told.value
     assert (fault.value, fault.lower, fault.upper) == (2.0 * bound, -FOLLOWING, FOLLOWING)
     with pytest.raises(LimitExceeded) as told:
-        watched.check_still(home, (home[0] + 2.0 * bound, home[1]))
+        watched.check_still(home, (home[0] + 2.0 * bound, home[1]), 4.0)
     assert told.value.value == pytest.approx(2.0 * bound)
-    watched.check_still((0.0, 0.0), (bound, -bound))
+    watched.check_still((0.0, 0.0), (bound, -bound), 5.0)
     # A procedure that follows nothing has a bound of its own.
-    watched.check_still((0.0, 0.0), (bound, -bound), most=2.0 * FOLLOWING)
-    watched.check_still((0.0, 0.0), (0.5 * bound, 0.0), most=0.5 * FOLLOWING)
+    watched.check_still((0.0, 0.0), (bound, -bound), 6.0, most=2.0 * FOLLOWING)
+    watched.check_still((0.0, 0.0), (0.5 * bound, 0.0), 7.0, most=0.5 * FOLLOWING)
     with pytest.raises(LimitExceeded) as told:
-        watched.check_still((0.0, 0.0), (0.51 * bound, 0.0), most=0.5 * FOLLOWING)
+        watched.check_still((0.0, 0.0), (0.51 * bound, 0.0), 8.0, most=0.5 * FOLLOWING)
     assert (told.value.lower, told.value.upper) == (-0.5 * FOLLOWING, 0.5 * FOLLOWING)

@@ -33,8 +33,15 @@ _STEP: Final = 20e-6
 """Ways shorter than this (m) are added up: encoder noise is no motion …"""
 _PASSED: Final = 256
 """… and so many of them are remembered."""
+_RUN_TIME, _RUN_SPEED = 0.01, 0.1
+"""A pair runs that was faster than this (m/s) over this time (s): no healthy loop moves one so."""
+_ENOUGH: Final = 4
+"""Of so many cycles at least forces are balanced: a loop that is held up has seen too little."""
 _SURE: Final = 0.7
 """So much of the Coulomb friction is missing at least: less may be friction other than told."""
+
+_Entry = tuple[float, Sequence[float], Sequence[float]]
+"""Of a cycle: s, the rods, m, and the pressures, Pa gauge."""
 
 
 class Instant(NamedTuple):
@@ -167,7 +174,7 @@ class PullBalance:
         self._mass, self._friction, self._falling = mass, friction, falling
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
-        self._history: deque[tuple[float, Sequence[float], Sequence[float]]] = deque(maxlen=_KEPT)
+        self._history: deque[_Entry] = deque(maxlen=_KEPT)
         self._ways = [_Way() for _ in self._pairs]
 
     def restart(self) -> None:
@@ -207,6 +214,30 @@ class PullBalance:
             f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
             "the pressures"
         )
+
+    def explain_run(self, pair: int = 0) -> str | None:
+        """Return why a pair runs that its pressures do not drive; None: it does not, or they do.
+
+        Parameters
+        ----------
+        pair : int
+            Its number.
+        """
+        history = self._history
+        if len(history) < _ENOUGH or not self._is_fast(pair, history[-2]):  # as nearly always
+            return None
+        now = history[-1][0]
+        start = next((one for one in reversed(history) if now - one[0] >= _RUN_TIME), history[-1])
+        if start[0] < now - _LOOK or not self._is_fast(pair, start):
+            return None
+        return self.explain() if len(_late(self._instants(self._pairs[pair]))) >= _ENOUGH else None
+
+    def _is_fast(self, pair: int, start: _Entry) -> bool:
+        """Return whether a pair has run since then."""
+        one, other = self._pairs[pair]
+        (then, were, _), (now, rods, _) = start, self._history[-1]
+        way = 0.5 * (rods[one] - rods[other] - were[one] + were[other])
+        return abs(way) > _RUN_SPEED * (now - then)
 
     def explain_off(self, off: float, pair: int = 0) -> str | None:
         """Return why a pair stays off its reference though its pressures pull it back.

@@ -5,7 +5,10 @@ of its pressures. Nothing is broken then, and no reading is wrong: only what was
 """
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Self
 
 from rig.hal import LimitExceeded, SafetyError
 from rig.mechanisms.pneumatic.alarms.rests import RodRests
@@ -19,6 +22,12 @@ _DUE = 1.5
 """A swing that goes on has turned round again within so many times what it took before."""
 _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
+_RAN = 0.01
+"""Over this time, s, what should stand still is watched for a start …"""
+_START = 0.5e-3
+"""… of so much, m: 100 times what healthy ones move then. Pressures can still be vented in time."""
+_ONE_STEP = 0.6
+"""What runs goes no more than this share of that way from one cycle to the next."""
 
 _STICKS = (
     "it sticks, with more friction than the profile says, or is held: "
@@ -37,7 +46,24 @@ class Strayed(LimitExceeded):
 
 
 class Shifted(LimitExceeded):
-    """A way while the chambers fill."""
+    """A way while the chambers fill, and nothing is controlled."""
+
+    rod: int = 0
+    """Number of the rod or pair."""
+
+    ran: bool = False
+    """Whether it was gone within a moment."""
+
+    @classmethod
+    def by(cls, rod: int, what: str, way: float, most: float, *, ran: bool = False) -> Self:
+        """Return the error of a rod that has gone a way, m, and may go `most` to either side."""
+        shifted = cls(what, way, -most, most, "m")
+        shifted.rod, shifted.ran = rod, ran
+        return shifted
+
+
+class Gone(LimitExceeded):
+    """A position beyond its range."""
 
 
 class Turns:
@@ -156,6 +182,8 @@ class TrackingWatch:
         self._driven: set[int] = set()
         """Which of them were found to have been driven off since then."""
         self._rests = [RodRests() for _ in self._names]
+        self._stood: deque[tuple[float, Sequence[float]]] = deque()
+        """Where they were of late while nothing was controlled: s, m."""
 
     def check(
         self,
@@ -242,7 +270,11 @@ class TrackingWatch:
         return strayed
 
     def check_still(
-        self, wanted: Sequence[float], measured: Sequence[float], most: float = math.inf
+        self,
+        wanted: Sequence[float],
+        measured: Sequence[float],
+        now: float,
+        most: float = math.inf,
     ) -> None:
         """Raise if a rod moves while the chambers fill, and nothing is controlled.
 
@@ -250,6 +282,8 @@ class TrackingWatch:
         ----------
         wanted, measured : sequence of float
             Positions, m.
+        now : float
+            s.
         most : float
             How far one may move in any case, m: a procedure that looks for friction follows
             nothing, and has a rod stray as far as it likes.
@@ -257,13 +291,26 @@ class TrackingWatch:
         Raises
         ------
         Shifted
-            It is farther off than that, or than a rod may be that follows.
+            It is farther off than that, or than a rod may be that follows; or it has just run.
         """
         following = min(self._following, most)
-        for name, goal, here in zip(self._names, wanted, measured, strict=True):
-            if not -following <= here - goal <= following:
-                what = f"way of {name} while nothing controls it"
-                raise Shifted(what, here - goal, -following, following, "m")
+        stood = self._stood
+        stood.append((now, measured))
+        while now - stood[0][0] > _RAN:
+            stood.popleft()
+        before = stood[0][1]
+        for k, name in enumerate(self._names):
+            off, way = measured[k] - wanted[k], measured[k] - before[k]
+            if not -following <= off <= following:
+                raise Shifted.by(k, f"way of {name} while nothing controls it", off, following)
+            if not -_START <= way <= _START and not self._jumped(k, way):
+                what = f"way of {name} in {_RAN * 1e3:g} ms while nothing controls it"
+                raise Shifted.by(k, what, way, _START, ran=True)
+
+    def _jumped(self, rod: int, way: float) -> bool:
+        """Return whether most of a way was one reading's: an encoder's, that has its own alarm."""
+        steps = [after[rod] - before[rod] for (_, before), (_, after) in pairwise(self._stood)]
+        return max(map(abs, steps)) > _ONE_STEP * abs(way)
 
     def suspicion(self, now: float) -> str | None:
         """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""

@@ -1,0 +1,120 @@
+"""A pair that runs though its pressures do not drive it, or starts while it should stand."""
+
+import math
+
+import numpy as np
+import pytest
+from cylinder_rods import Rods
+from pneumatic_fakes import BASE
+from test_pneumatic_tracking_alarm import PERIOD, watch
+
+from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.tracking import Gone, Shifted
+
+FAST, SLOW = 0.101, 0.099
+"""m/s, at either side of what counts as running."""
+
+
+def ran(speed, pressures=(BASE, BASE), cycles=24, step=1e-3):
+    """Let a pair that stood go on at a speed, m/s; return what is raised, and when, s."""
+    rods = Rods()
+    for _ in range(8):
+        rods.cycle(0.0, 0.0, step=step)
+    begun = rods.now
+    for k in range(cycles):
+        way = speed * step * k
+        try:
+            rods.cycle(-way, way, pressures, step=step)
+        except SafetyError as fault:
+            return rods.now - begun, str(fault)
+    return None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_pair_that_runs_with_equal_pressures_is_told_with_the_chamber_that_let_it_go(sign):
+    after, said = ran(sign * FAST)
+    weak = "antagonist" if sign > 0.0 else "agonist"
+    assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube, or its")
+    assert "or the carriage is pushed or held" in said
+    assert said.endswith("[the pair runs]")
+    assert after < 0.023
+    assert ran(sign * SLOW) is None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_pressures_that_drive_it_explain_a_run(sign):
+    apart = sign * 150e3
+    driven = (BASE + max(apart, 0.0), BASE + max(-apart, 0.0))
+    assert ran(sign * 0.25, driven) is None
+    assert ran(-sign * 0.25, driven) is not None
+
+
+def test_a_loop_that_was_held_up_has_seen_too_little_to_say_so():
+    assert ran(0.25, cycles=8, step=7e-3) is None
+    assert ran(0.25, cycles=16, step=5e-3) is not None
+
+
+def stands(places, watched=None):
+    """Return what is raised of a rod that should stand and is at these places, m, and when."""
+    watched = watched or watch(names=("the pair", "another"))
+    for k, place in enumerate(places):
+        try:
+            watched.check_still((0.0, 0.0), (0.0, place), k * PERIOD)
+        except Shifted as fault:
+            return k, fault
+    return None
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_starts_while_it_should_stand_is_told_before_it_is_a_millimetre_off(seed):
+    drawn = np.random.default_rng([33, seed])
+    sign, since = float(drawn.choice([-1.0, 1.0])), int(drawn.integers(5, 60))
+    pull = float(drawn.uniform(20.0, 90.0))  # m/s2
+    noise = drawn.normal(0.0, 2e-6, 200)
+    places = [sign * 0.5 * pull * (PERIOD * max(k - since, 0)) ** 2 + noise[k] for k in range(200)]
+    k, fault = stands(places)
+    assert fault.ran and fault.rod == 1
+    assert "way of another in 10 ms while nothing controls it" in str(fault)
+    assert abs(places[k - 1]) < 0.51e-3
+    assert math.copysign(1.0, fault.value) == sign
+
+
+def test_what_creeps_is_no_start_and_an_encoder_that_jumps_is_not_one_either():
+    assert stands([0.049 * PERIOD * k for k in range(60)]) is None
+    assert stands([0.0] * 30 + [2.9e-3] * 30) is None
+    _, fault = stands([0.0] * 30 + [3.1e-3])
+    assert not fault.ran
+
+
+def test_what_was_seen_before_a_new_start_is_no_start():
+    watched = watch(names=("the pair", "another"))
+    assert stands([0.0] * 5, watched) is None
+    watched.restart()
+    assert stands([0.4e-3, 0.8e-3, 1.2e-3], watched) is not None
+    watched.restart()
+    assert stands([1.2e-3] * 5, watched) is None
+
+
+@pytest.mark.parametrize(("apart", "told"), [(0.0, True), (150e3, False)])
+def test_a_pair_beyond_its_range_is_told_with_its_chamber_unless_its_pressures_put_it_there(
+    apart, told
+):
+    rods = Rods()
+    error = Gone("position of the pair", 21e-3, -20e-3, 20e-3, "m")
+    assert rods.watch.explain(error) is error
+    for _ in range(40):
+        rods.cycle(0.0, 0.0, (BASE + apart, BASE))
+    said = rods.watch.explain(error)
+    assert ("the chamber of antagonist leaks" in str(said)) is told, said
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_start_that_nothing_else_explains_is_a_leak_or_a_push(sign):
+    rods = Rods()
+    for _ in range(40):
+        rods.cycle(0.0, 0.0)
+    error = Shifted.by(0, "way of the pair in 10 ms", sign * 0.6e-3, 0.5e-3, ran=True)
+    weak = "antagonist" if sign > 0.0 else "agonist"
+    assert f"the chamber of {weak} leaks behind its tube" in str(rods.watch.explain(error))
+    slow = Shifted.by(0, "way of the pair", sign * 4e-3, 3e-3)
+    assert rods.watch.explain(slow) is slow
