@@ -1,9 +1,9 @@
 """Rules that are broken beside a value that cannot be read: both are told in one pass.
 
 A dataclass is only made of readable values, so its rules are not asked while one is wrong. Here the
-wrong ones are replaced by right ones, twice and differently: what is broken both times in the same
-words is broken whatever stands in their place. A key that there is not is left out the first time,
-and taken for the one most like it the second. Of what was made up here no rule is told.
+wrong ones are replaced by right ones, three times and differently: what is broken each time in the
+same words is broken whatever stands in their place. A key that there is not is left out the first
+time, and taken for the one most like it then. Of what was made up here no rule is told.
 """
 
 import difflib
@@ -18,6 +18,8 @@ from pydantic_core import ErrorDetails
 from rig.config.type_hints import hint_at, hints, is_union, split_annotated
 from rig.hal.rules import told_by
 
+_TIMES: Final = (0, -1, 1)
+"""Which of the right values is taken each time: the first, the last, another one."""
 _ROUNDS: Final = 3
 """A right value may show the next wrong one: of a mapping that was missing."""
 
@@ -48,8 +50,8 @@ def rules_besides(
     validate : callable
         As `Validate`.
     """
-    first, second = (_rules(settings, plain, found, validate, which) for which in (0, -1))
-    yield from (broken for broken in first if broken in second)
+    first, *again = (_rules(settings, plain, found, validate, which) for which in _TIMES)
+    yield from (broken for broken in first if all(broken in other for other in again))
 
 
 def _rules(
@@ -108,8 +110,9 @@ def _mend(
     right = _right_values(hint_at(settings, tuple(path)), validate)
     if not right:
         return False
-    holder[path[-1]] = right[which]  # type: ignore[index] # a dict by keys, a list by positions
-    if isinstance(right[which], dict):
+    taken = right[min(which, len(right) - 1)]
+    holder[path[-1]] = taken  # type: ignore[index] # a dict by keys, a list by positions
+    if isinstance(taken, dict):
         made.append(tuple(path))
     return True
 
@@ -134,14 +137,14 @@ def _may_be_left_out(settings: type, path: _Path, details: ErrorDetails, which: 
 
 
 def _right_values(hint: object, validate: Validate) -> list[object]:
-    """Return values that a setting takes, of which the first and the last differ if they can."""
+    """Return values that a setting takes, no two alike."""
     bare, metadata = split_annotated(hint)
     if is_union(bare):
         return [value for arm in get_args(bare) for value in _right_values(arm, validate)] or [None]
     if get_origin(bare) is Literal:
         return list(get_args(bare))
     if isinstance(bare, type) and is_dataclass(bare):
-        return [_right_mapping(bare, validate, which) for which in (0, -1)]
+        return [_right_mapping(bare, validate, which) for which in _TIMES]
     right: list[object] = []
     names = ("ge", "le", "gt", "lt")
     bounds = [getattr(item, name, None) for item in metadata for name in names]
@@ -150,7 +153,8 @@ def _right_values(hint: object, validate: Validate) -> list[object]:
             validate(hint, value)
         except ValidationError:
             continue
-        right.append(value)
+        if not any(value == other and type(value) is type(other) for other in right):
+            right.append(value)
     return right
 
 
@@ -160,5 +164,5 @@ def _right_mapping(settings: type, validate: Validate, which: int) -> dict[str, 
         is_needed = field.default is MISSING and field.default_factory is MISSING
         values = _right_values(hints(settings)[field.name], validate) if is_needed else []
         if values:
-            made[field.name] = values[which]
+            made[field.name] = values[min(which, len(values) - 1)]
     return made

@@ -1,10 +1,13 @@
 """Beside a value that cannot be read only those rules are told that are broken whatever it was."""
 
+import random
+
 import pytest
 
 from rig.assembly import REGISTRY
 from rig.config import ProfileError, load_profile
 from rig.config.names import find_configs
+from rig.config.yaml_loader import read_plain
 
 
 def messages(tmp_path, channel):
@@ -54,3 +57,31 @@ def test_no_rule_is_told_of_a_mapping_that_was_made_up(tmp_path):
     said = messages(tmp_path, "{raw: [x, y], pressure: [a, b]}")
     assert len(said) == 4, said
     assert all(" is '" in one or " not " in one or "expected" in one for one in said), said
+
+
+def keys_of(rig):
+    """Return the dotted keys of a shipped profile's values."""
+
+    def walk(section, above):
+        for key, value in section.items():
+            path = (*above, str(key))
+            if isinstance(value, dict):
+                yield from walk(value, path)
+            else:
+                yield ".".join(path)
+
+    sections = read_plain(find_configs()[-1] / "rigs" / f"{rig}.yaml")
+    return [key for key in walk(sections, ()) if "." in key]
+
+
+@pytest.mark.parametrize("rig", ["cylinder", "cylinder-valves", "joint", "arm", "legs"])
+def test_one_value_that_cannot_be_read_is_one_error(rig):
+    """Whatever stands in its place meanwhile must not be blamed on the rest of the file."""
+    chance = random.Random(rig)
+    keys = keys_of(rig)
+    drawn = chance.sample(keys, min(len(keys), 25))
+    for key in {*drawn, "cylinder.bore"} if rig == "cylinder" else drawn:
+        with pytest.raises(ProfileError) as caught:
+            load_profile(rig, REGISTRY, (f"{key}={{wide: 1}}",), find_configs())
+        said = [d.message for d in caught.value.diagnostics]
+        assert len(said) == 1, (key, said)
