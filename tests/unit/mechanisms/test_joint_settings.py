@@ -78,12 +78,13 @@ def test_a_camera_may_take_the_marker_for_a_little_nearer_or_farther(side):
         ({"rod": 16e-3}, "does not fit into bore"),
         ({"home": 2 * HOME}, "is not within stroke"),
         ({"base_pressure": LOWEST - 1.0}, r"outside limits\.pressure"),
+        ({"base_pressure": LOWEST}, r"is the least of limits\.pressure"),
         ({"base_pressure": HIGHEST + 1.0}, r"outside limits\.pressure"),
         ({"encoders": ("e1", "e2", "e3", "e1")}, "one device is named for two channels"),
     ],
 )
 def test_a_joint_that_cannot_be_is_refused(changes, message):
-    joint_settings(base_pressure=LOWEST)
+    joint_settings(base_pressure=LOWEST + 1.0)
     joint_settings(base_pressure=HIGHEST)
     with pytest.raises(ValueError, match=message):
         joint_settings(**changes)

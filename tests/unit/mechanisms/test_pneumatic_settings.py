@@ -91,6 +91,7 @@ def test_a_range_has_its_lower_end_below_its_upper_one(name):
         ({"rod": 16e-3}, "does not fit into bore"),
         ({"home": STROKE, "limits": pair_limits(position=(-1.0, 0.0))}, "is not within stroke"),
         ({"base_pressure": LOWEST - 1.0}, r"outside limits\.pressure 10000 … 500000 Pa"),
+        ({"base_pressure": LOWEST}, r"is the least of limits\.pressure"),
         ({"base_pressure": HIGHEST + 1.0}, r"outside limits\.pressure 10000 … 500000 Pa"),
     ],
 )
@@ -101,7 +102,7 @@ def test_a_cylinder_that_cannot_be_is_refused(changes, message):
 
 def test_what_is_just_possible_is_accepted():
     pair_settings(rod=15e-3)  # a thicker one leaves too little area to pass limits.speed
-    pair_settings(base_pressure=LOWEST)
+    pair_settings(base_pressure=LOWEST + 1.0)
     pair_settings(base_pressure=HIGHEST)
 
 
