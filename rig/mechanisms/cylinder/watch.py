@@ -30,6 +30,9 @@ _JUMP = 0.3
 """A rod that runs was at this share of its speed a cycle before; an encoder that jumps was not."""
 _LEAST_RUN = 0.1
 """If a wire lets go both rods run in; where one does less than this share, an encoder is wrong."""
+_OUT = 20e-6
+"""A rod that moves out by less in a cycle (m) turns round within the next one if its wire lets go;
+nor is encoder noise that much."""
 _AGREED = 0.2
 """The rods agree while their change is below this share of its bound."""
 
@@ -259,10 +262,20 @@ class PairWatch:
         least = _JUMP * self._limits.speed * self._step * 2.0
         if max(ways) < least or min(ways) < _LEAST_RUN * max(ways):
             return None
-        # By its own chamber's pull less friction: the one that has the least to move.
-        forces = [max(pull - self._sliding, 1.0) for pull in self._history[-1].pulls]
+        # By its own chamber's pull and its friction: the one that has the least to move.
+        pulls = self._history[-1].pulls
+        forces = [max(pulls[k] - self._sliding * self._drag(k), 1.0) for k in range(2)]
         k = max(range(2), key=lambda k: ways[k] / forces[k])
         return f"the wire of {CHANNELS[k]} is slack or cut: its rod runs in"
+
+    def _drag(self, k: int) -> float:
+        """Return friction against a rod's pull of late over what sliding takes: 1 … -1.
+
+        A rod that a wire drew out is braked by its friction as well, until it turns round.
+        """
+        late = [each.extensions[k] for each in self._history][-1 - _RECENT :]
+        out = sum(after - before > _OUT for before, after in pairwise(late))
+        return 1.0 - 2.0 * out / _RECENT
 
     def _explain_push(self, k: int) -> str | None:
         """Return that somebody pushed, if a rod is pulled out and the other one runs in.

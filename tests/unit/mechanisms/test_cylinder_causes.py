@@ -67,9 +67,28 @@ def test_the_wire_is_that_of_the_rod_that_runs_faster_for_its_pull():
     assert "wire of antagonist" in str(run(2.9 * WAY, WAY, pressures=weak))
 
 
+@pytest.mark.parametrize("channel", [0, 1])
+@pytest.mark.parametrize(("out", "told"), [(20.1e-6, True), (19.9e-6, False)])
+def test_friction_brakes_a_rod_that_ran_out_with_its_chamber(channel, out, told):
+    """The wire of a strong chamber is cut as it draws the weak one's rod out: that turns round."""
+    area, sliding = pair_settings().area, 0.5 * pair_settings().friction.coulomb
+    pulls = [5.0 * sliding, 2.0 * sliding]  # four and one of it are left, or two on the way out
+    ways = [np.repeat(-out, 13), np.repeat(out, 13)]
+    ways[0][-2:] -= (1.4 * WAY, 1.4 * WAY)
+    ways[1][-2:] -= (0.5 * WAY, 0.5 * WAY)
+    if channel:
+        pulls, ways = pulls[::-1], ways[::-1]
+    rods = Rods()
+    for places in zip(*(np.cumsum(way) for way in ways), strict=True):
+        rods.cycle(*places, tuple(pull / area for pull in pulls))
+    names = "agonist", "antagonist"
+    assert f"wire of {names[channel if told else 1 - channel]} is" in str(rods.watch.explain(FAST))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
     rng = np.random.default_rng(seed)
+    area, sliding = pair_settings().area, 0.5 * pair_settings().friction.coulomb
     told = 0
     for _ in range(100):
         rods = Rods()
@@ -82,7 +101,9 @@ def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
         assert ("slack or cut" in str(said)) == runs
         if runs:
             told += 1
-            assert f"wire of {('agonist', 'antagonist')[int(np.argmax(ways))]} " in str(said)
+            out = (np.diff(places[-5:], axis=0) > 20e-6).sum(axis=0)
+            gains = ways / (area * BASE - sliding * (1.0 - 0.5 * out))
+            assert f"wire of {('agonist', 'antagonist')[int(np.argmax(gains))]} " in str(said)
     assert 5 < told < 95
 
 
