@@ -150,6 +150,10 @@ class JointWatch:
         """
         if isinstance(error, PressureOff):
             cause = explain_scatter(self._encoders, self._balance.rods)
+            # No chamber makes rods disagree, and those that do throw the ring and shake setpoints.
+            cause = cause or self._wires.suspicion(
+                state.rods, self._unstretched(state), state.pressures
+            )
             return error if cause is None else SafetyError(f"{cause} ({error})")
         if isinstance(error, Strayed):
             return self._explain_strayed(error, state)

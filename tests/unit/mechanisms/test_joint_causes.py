@@ -7,6 +7,7 @@ import pytest
 from joint_fakes import (
     CHANNELS,
     ENCODERS,
+    RESIDUAL,
     UPRIGHT,
     JointBench,
     off,
@@ -194,6 +195,27 @@ def test_a_pressure_that_is_off_while_an_encoder_scatters_has_that_for_its_cause
     assert str(found) == f"{ENCODERS[1]} scatters by 0.082 mm, which shakes setpoints ({error})"
     other = SafetyError("something else")
     assert told.watch.explain(other, state) is other
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_a_pressure_that_is_off_while_one_rod_disagrees_has_that_for_its_cause(number):
+    """A loop over an encoder that counts backwards throws the ring, and pressures lag behind."""
+    error = PressureOff("valves: the valve of ch4 is stuck")
+    told = Rods()
+    for _ in range(4):
+        told.check(TILTED)
+    # A wrong rod spreads half of its error to its own residual, and as much to the opposite one.
+    wrong = told.state(off(TILTED, number, -1.2 * RESIDUAL))
+    found = str(told.watch.explain(error, wrong))
+    assert ENCODERS[number - 1] in found and found.endswith(f" ({error})")
+    assert found.startswith("the wire of ch")
+    assert told.watch.explain(error, told.state(off(TILTED, number, -0.6 * RESIDUAL))) is error
+    empty = [BASE] * 4
+    empty[number - 1] = empty[(number + 1) % 4] = 0.0  # their wires may be slack because of that
+    slack = told.state(off(TILTED, number, -1.2 * RESIDUAL), pressures=tuple(empty))
+    assert told.watch.explain(error, slack) is error
+    two = off(off(TILTED, number, -2.0 * RESIDUAL), number % 4 + 1, -2.0 * RESIDUAL)
+    assert told.watch.explain(error, told.state(two)) is error
 
 
 def test_who_let_go_is_told_by_the_cycles_before():

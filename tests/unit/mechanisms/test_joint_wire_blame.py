@@ -29,7 +29,7 @@ def blame(*history, pressures=(BASE,) * 4, rods=None, least_pull=55e3, watch=Non
     for place in history:
         bench.check(place, pressures)
     last = history[-1] if rods is None else rods
-    return bench.watch._explain(last, last, pressures, bench.now)
+    return bench.watch._explain(last, last, pressures)
 
 
 # One wire or encoder ------------------------------------------------------------------------

@@ -156,7 +156,7 @@ class WireWatch:
         # counts backwards has thrown the ring before a fixed time is over.
         share = max(limits.residual / residual, _LEAST_GRACE)
         if now - self._agreed_at > share * limits.grace:
-            cause = self._explain(rods, unstretched, pressures, now)
+            cause = self._explain(rods, unstretched, pressures)
             raise SafetyError(
                 f"{cause} [the four wires disagree about the pose by "
                 f"{residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
@@ -175,6 +175,21 @@ class WireWatch:
             return self._diagnosis.update(unstretched).axis
         except ValueError:
             return self.axis
+
+    def suspicion(
+        self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple
+    ) -> str | None:
+        """Return which rod does not agree with the others, before that has lasted; else None.
+
+        Where its chamber cannot pull, its wire may be slack because of that. Parameters as `check`.
+        """
+        residual = self._residual_of(unstretched)
+        if not self._history or residual <= _EXPLAINED * self._limits.residual:
+            return None
+        rest, k = min((self._without(unstretched, k)[0], k) for k in range(4))
+        if rest >= _EXPLAINED * residual or pressures[k] < self._limits.least_pull:
+            return None
+        return self._explain(rods, unstretched, pressures)
 
     def explain_run(self, unstretched: Quadruple, pressures: Quadruple, k: int) -> str | None:
         """Return why a rod runs too fast, if its wire is why.
@@ -262,9 +277,7 @@ class WireWatch:
     def _is_sudden(self, took: float) -> bool:
         return took < (_SUDDEN + 0.5) * (self._history[-1].t - self._history[-2].t)
 
-    def _explain(
-        self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
-    ) -> str:
+    def _explain(self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple) -> str:
         swapped = self.explain_swap(unstretched)
         if swapped is not None:
             return swapped
