@@ -16,8 +16,10 @@ _LOOK: Final = 0.02
 """Over this time before a limit was exceeded forces are balanced, s …"""
 _EMPTIED: Final = 15e3
 """A pressure that falls by so much meanwhile (Pa) as its rod is drawn out has lost air."""
-_KEPT: Final = 64
-"""So many cycles are remembered."""
+_KEPT: Final = 256
+"""So many cycles are remembered: rods run from rest to a limit within 0.2 s …"""
+_OF_LATE: Final = 64
+"""… and so many tell how encoders scatter."""
 _ENDS: Final = 0.004
 """… with speeds over this time at its two ends, s."""
 _MOVED: Final = 0.5e-3
@@ -191,26 +193,32 @@ class PullBalance:
     @property
     def rods(self) -> list[Sequence[float]]:
         """The rods of the last cycles, the latest last."""
-        return [rods for _, rods, _ in self._history]
+        return [rods for _, rods, _ in self._history][-_OF_LATE:]
 
     def explain(self, *, sticks: bool = False) -> str | None:
         """Return that a chamber has other air than its monitor says, or that somebody pushes.
+
+        Of two pairs the one is blamed of which something was missing first: a ring that is thrown
+        takes the other one along.
 
         Parameters
         ----------
         sticks : bool
             Only of a pair that sticks.
         """
-        found = [(self._missing(pair, sticks), pair) for pair in self._pairs]
-        found = sorted((one for one in found if one[0]), key=lambda one: -abs(one[0]))
-        if not found:
+        short = [(*self._missing(pair, sticks), pair) for pair in self._pairs]
+        short = [one for one in short if one[1]]
+        if not short:
             return None
-        short = " or ".join(
+        began = min(when for when, _, _ in short)
+        found = [(missing, pair) for when, missing, pair in short if when < began + 0.5 * _LOOK]
+        found.sort(key=lambda one: -abs(one[0]))
+        weak = " or ".join(
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
         stuck = _STUCK if _stands(_late(self._instants(found[0][1]))) else ""
         return (
-            f"{self._device}: the chamber of {short} leaks behind its tube, or its monitor is off, "
+            f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
             f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
             "the pressures"
         )
@@ -326,14 +334,34 @@ class PullBalance:
             f"monitor is off, or {self._moved} is pushed or held"
         )
 
-    def _missing(self, pair: tuple[int, int], sticks: bool) -> float:
-        return missing_pull(self._instants(pair), self._mass, self._friction, sticks=sticks)
+    def _missing(self, pair: tuple[int, int], sticks: bool) -> tuple[float, float]:
+        """Return when the pull of a pair was first missing, s, and how much, N; 0: it was not.
 
-    def _instants(self, pair: tuple[int, int]) -> list[Instant]:
-        instants = []
-        for t, rods, pressures in self._history:
+        A run is explained by how it began: near its end wires and a ring that falls pull as well.
+        """
+        if sticks:
+            late = self._instants(pair)
+            return 0.0, missing_pull(late, self._mass, self._friction, sticks=True)
+        history = self._instants(pair, _KEPT * _LOOK)
+        when, found = 0.0, 0.0
+        while history:
+            missing = missing_pull(history, self._mass, self._friction)
+            late = _late(history)
+            if missing:
+                when, found = late[0].t, missing
+            del history[1 - len(late) :]  # all of it, where the one before is long ago
+            if history and _stands(_late(history)):
+                break
+        return when, found
+
+    def _instants(self, pair: tuple[int, int], over: float = _LOOK) -> list[Instant]:
+        """Return the last instants of a pair, over a time (s)."""
+        instants: list[Instant] = []
+        for t, rods, pressures in reversed(self._history):
+            if t < self._history[-1][0] - over:
+                break
             instants.append(Instant(t, *self._place_and_pull(pair, rods, pressures)))
-        return instants
+        return instants[::-1]
 
     def _place_and_pull(
         self, pair: tuple[int, int], rods: Sequence[float], pressures: Sequence[float]
