@@ -74,6 +74,7 @@ def new(
     from rig.scaffolding.known_names import refuse_known_file, refuse_known_part
     from rig.scaffolding.names import refuse_taken, spell
     from rig.scaffolding.packages import first_experiment, package_files, profile_of, write_files
+    from rig.whole_file import write_whole
 
     spell(name)
     drawn = [(form, file) for form, file in (("urdf", urdf), ("dh", dh)) if file is not None]
@@ -129,7 +130,7 @@ def new(
             text = profile_text(name, like or rig or "cylinder", search)
             following = [f"rig check {file}", f"rig check {file} --values"]
         try:
-            file.write_text(text, encoding="utf-8")
+            write_whole(file, text)
         except OSError as error:
             raise ConfigurationError(
                 f"cannot write {file}: {reason_unwritten(file, error)}"

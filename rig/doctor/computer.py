@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from rig.doctor.look import Fitness, Look
+from rig.hal.files import how_to_write
 from rig.runtime.realtime import timer_slack
 
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "python-can", "canopen", "pydantic", "mcap")
@@ -136,7 +137,7 @@ def _disk(folder: Path) -> Look:
         there = there.parent
     what = f"room for runs in {there}"
     if not os.access(there, os.W_OK):
-        mend = f"sudo chown {_user()} {there}, or another folder: --out FOLDER"
+        mend = f"{how_to_write(there)}; or another folder: --out FOLDER"
         return Look(what, "may not be written", Fitness.NO, mend)
     free = shutil.disk_usage(there).free / _GIBI
     if free < _LEAST_ROOM:

@@ -1,5 +1,6 @@
 """Files that somebody else may have written, read so that none can hang the program or fill it."""
 
+import errno
 import os
 import pwd
 import shlex
@@ -54,14 +55,29 @@ def _is_open(place: Path) -> bool:
 def reason_unwritten(path: Path, error: OSError) -> str:
     """Return why a file cannot be written; without permission, also what gives it."""
     reason = error.strerror or str(error)
-    if not isinstance(error, PermissionError):
+    if not isinstance(error, PermissionError) and error.errno != errno.EROFS:
         return reason
     there = path.absolute()
     while not os.access(there, os.F_OK):
         there = there.parent
     if is_file(there) and not os.access(there.parent, os.W_OK):
         there = there.parent  # what is written whole replaces the file: the folder decides
-    return f"{reason}; take it: sudo chown $USER {shlex.quote(str(there))}"
+    return f"{reason}; {how_to_write(there)}"
+
+
+def how_to_write(there: Path) -> str:
+    """Return what lets this user write in a folder, or over a file, that may not be written."""
+    mount = there
+    while not os.path.ismount(mount) and mount != mount.parent:
+        mount = mount.parent
+    if os.statvfs(there).f_flag & os.ST_RDONLY:
+        return (
+            "its file system is read-only: take another place, or sudo mount -o remount,rw "
+            f"{shlex.quote(str(mount))}"
+        )
+    if os.access(there, os.W_OK):  # and yet it is refused, as by /sys: another owner may no more
+        return "take another place"
+    return f"take it: sudo chown $USER {shlex.quote(str(there))}"
 
 
 def check_writable(folder: Path, what: str) -> None:
@@ -84,8 +100,8 @@ def check_writable(folder: Path, what: str) -> None:
         there = there.parent
     if not is_folder(there) or not os.access(there, os.W_OK | os.X_OK):
         raise ConfigurationError(
-            f"{what} cannot be kept in {folder}: {there} cannot be written to; take it: sudo chown "
-            f"$USER {shlex.quote(str(there))}; nothing has moved"
+            f"{what} cannot be kept in {folder}: {there} cannot be written to; "
+            f"{how_to_write(there)}; nothing has moved"
         )
 
 

@@ -8,6 +8,7 @@ from typing import Final, Literal
 from rig.hal import ConfigurationError
 from rig.hal.files import reason_unwritten
 from rig.scaffolding.names import Spelling, spell
+from rig.whole_file import whole_folder, write_whole
 
 PackageKind = Literal["controller", "driver", "mechanism"]
 
@@ -205,7 +206,7 @@ def profile_of(name: str) -> str:
 
 
 def write_files(folder: Path, made: dict[Path, str]) -> None:
-    """Write files below a folder that is not there yet.
+    """Write files below a folder that is not there yet: all of them, or none.
 
     Raises
     ------
@@ -215,10 +216,11 @@ def write_files(folder: Path, made: dict[Path, str]) -> None:
     if folder.exists():
         raise ConfigurationError(f"{folder} is there already; nothing was written")
     try:
-        for path, text in made.items():
-            target = folder / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
+        with whole_folder(folder) as beside:
+            for path, text in made.items():
+                target = beside / path
+                target.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(target, text)
     except OSError as error:
         raise ConfigurationError(
             f"cannot write {folder}: {reason_unwritten(folder, error)}"

@@ -1,0 +1,83 @@
+"""File systems that are full or read-only: mounted for the test, in a namespace of its own."""
+
+import functools
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+_OWN = ("unshare", "--map-root-user", "--mount")
+
+
+@functools.cache
+def can_mount():
+    if shutil.which("unshare") is None:
+        return False
+    tried = subprocess.run(
+        [*_OWN, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True, check=False
+    )
+    return tried.returncode == 0
+
+
+pytestmark = pytest.mark.skipif(not can_mount(), reason="nothing may be mounted here")
+
+
+def mounted(folder, options, words, after="true"):
+    """Run rig where a small file system is mounted; return its code, stderr and `after`'s text."""
+    script = (
+        f'mount -t tmpfs -o {options} none "$1" || exit 99\ncd "$1"\nshift\n"$@"\ncode=$?\n'
+        f"{after}\nexit $code"
+    )
+    command = [sys.executable, "-m", "rig", *words]
+    done = subprocess.run(
+        [*_OWN, "sh", "-c", script, "sh", str(folder), *command],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return done.returncode, done.stderr, done.stdout
+
+
+MADE = [
+    ["new", "rig", "ours", "--like", "cylinder"],
+    ["new", "experiment", "ours", "--like", "cylinder-sine"],
+    *(["new", kind, "ours"] for kind in ("controller", "driver", "mechanism")),
+]
+
+
+@pytest.mark.parametrize("words", MADE, ids=lambda words: words[1])
+@pytest.mark.parametrize("inodes", [2, 100])
+def test_a_full_disk_leaves_nothing_of_what_is_begun(tmp_path, words, inodes):
+    # tmpfs gives room by pages of 4 kB, and the first of two inodes is its own folder.
+    code, told, left = mounted(tmp_path, f"size=4k,nr_inodes={inodes}", words, "ls -A")
+    if code == 0:
+        assert words[1] == "experiment"  # which is short
+        return
+    assert code == 2, told
+    assert "cannot write ours" in told and "No space left on device" in told
+    assert left == ""
+
+
+@pytest.mark.parametrize("words", MADE[::2], ids=lambda words: words[1])
+def test_with_room_all_of_it_is_there(tmp_path, words):
+    code, told, left = mounted(tmp_path, "size=4M", words, "ls -A")
+    assert code == 0, told
+    assert left.split() == ["ours.yaml" if words[1] == "rig" else "ours"]
+
+
+ASKED = [
+    MADE[0],
+    ["commission", "cylinder", "--configs", str(CONFIGS), "--out", "runs"],
+    ["doctor", "cylinder"],
+]
+
+
+@pytest.mark.parametrize("words", ASKED, ids=lambda words: words[0])
+def test_nobody_is_told_to_own_what_is_read_only(tmp_path, words):
+    code, told, shown = mounted(tmp_path, "ro", words)
+    assert code != 0
+    said = told + shown
+    assert "chown" not in said
+    assert "read-only" in said
+    assert f"sudo mount -o remount,rw {tmp_path}" in said
