@@ -18,7 +18,7 @@ from pneumatic_fakes import BASE, PERIOD, SPEED
 
 from rig.hal import DeviceFault, LimitExceeded, SafetyError, StaleReading
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff
-from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 
 TILTED = rods_at(0.3, 0.4)
 ERROR = LimitExceeded("speed of something", 1.0, -0.5, 0.5, "m/s")
@@ -378,3 +378,15 @@ def test_a_rod_that_lags_after_its_pair_crept_against_its_pull_has_lost_air(rod,
         weak = CHANNELS[opposite if side > 0.0 else rod]
         words = f"regulators: the chamber of {weak} leaks behind its tube, or its monitor is off"
         assert said.startswith(words) is crept, said
+
+
+@pytest.mark.parametrize("rod", range(4))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_rod_that_starts_while_it_should_stand_is_told_with_the_chamber_that_let_it_go(rod, side):
+    error = Shifted.by(rod, "way of a rod in 10 ms", side * 0.6e-3, 0.5e-3, ran=True)
+    weak = CHANNELS[rod if side < 0.0 else (rod + 2) % 4]
+    assert f"the chamber of {weak} leaks behind its tube" in str(
+        explain(error, TILTED, TILTED, TILTED)
+    )
+    slow = Shifted.by(rod, "way of a rod", side * 6e-3, 5e-3)
+    assert explain(slow, TILTED, TILTED, TILTED) is slow

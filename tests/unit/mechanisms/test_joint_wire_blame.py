@@ -61,6 +61,20 @@ def test_while_no_chamber_pulls_the_ring_may_have_been_pushed(fullest, pushed):
     assert said.endswith(", or the ring was pushed while its wires were slack") is pushed
 
 
+@pytest.mark.parametrize(("speed", "pushed"), [(0.11, True), (0.09, False)])
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_while_other_rods_run_the_ring_may_have_been_pushed(number, speed, pushed):
+    """A push draws rods out faster than their chambers follow: what is caught moves alone."""
+    caught = off(FAR, number, -2e-3)
+    other = number % 4 + 1  # no opposite one, which may be as suspect
+    before = off(caught, other, -speed * WireBench.STEP)
+    said = blame(before, caught)
+    assert "is caught, or " in said
+    assert said.endswith("or the ring was pushed or struck") is pushed
+    alone = off(caught, number, -speed * WireBench.STEP)
+    assert "pushed" not in blame(alone, caught)
+
+
 def test_another_rod_is_suspected_if_it_explains_more_than_half():
     """Far out the opposite rod leaves 0.53 of the residual, or 0.39 of another one."""
     assert blame(FAR, off(FAR, 4, -2e-3)).startswith("the wire of ch4 is caught")

@@ -25,6 +25,10 @@ _LEAST_TRAVEL = 0.5e-3
 """At home (m) the order of the rods does not show."""
 _LEAST_RESIDUAL = 0.25e-3
 """Nor does it while the rods disagree by less (m) than friction and stretch make them."""
+_RUNS = 0.1
+"""A rod that is faster than this (m/s) goes where no loop sends it …"""
+_PUSHED = ", or the ring was pushed or struck"
+"""… and a wire or encoder moves its own rod alone."""
 _AT_REST = 0.05
 """A rod below this speed (m/s) is pulling on something again."""
 _CLEARLY = 0.5
@@ -294,7 +298,8 @@ class WireWatch:
             caught = f"{which} is caught, or {encoders} is off, by {-off * 1e3:.2f} mm"
             if max(pressures) < self._limits.least_pull:
                 return f"{caught}, or the ring was pushed while its wires were slack"
-            return caught
+            others = (abs(self._speed(i)) for i in range(4) if i not in suspects)
+            return f"{caught}{_PUSHED}" if max(others, default=0.0) > _RUNS else caught
         found = self._who_let_go(suspects, {k: offs[k][0] for k in suspects}, pressures)
         if len(found) > 1:
             which = self._names_of(found)
