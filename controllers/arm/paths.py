@@ -37,9 +37,9 @@ class TurnBack:
     distance : float
         m; only with `touch`.
     direction : tuple of float
-        Out.
+        Which way the hand goes out, in the base's axes.
     speed : float
-        m/s.
+        How fast the hand goes, m/s.
     axis : tuple of float
         About which the tool turns, out and back in the same sense.
     turn_rate : float
@@ -109,13 +109,13 @@ class Circle:
         Joints at the singularity, rad; q3 (elbow) or q2 (shoulder) follows and is left out. The
         shoulder's circle starts out along q1.
     radius : float
-        r2, m.
+        Radius of the circle, r2, m.
     plane : float
         Elbow: from the arm's plane to the circle's, about the stretched arm, rad.
     side : int
         Elbow: sign of S3 after the touch.
     rate : float
-        gamma', rad/s.
+        How fast the circle is gone round, gamma', rad/s.
     begin, end : float
         gamma, 0 at the singularity, rad.
 

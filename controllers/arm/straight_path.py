@@ -22,7 +22,7 @@ class StraightPath(ArmPath):
     direction : tuple of float
         Of the hand, base axes; need not have unit length.
     length : float
-        m.
+        How far the hand goes, m.
     speed : float
         At most, m/s.
     axis : tuple of float

@@ -39,7 +39,8 @@ class DifferentialRange(PlainNumbers):
         if half <= 0.0:
             raise InfeasibleMotion(
                 f"base_pressure ({model.base_pressure:g} Pa) leaves no differential between the "
-                f"pressure floor ({lower:g} Pa) and pressure_max ({model.pressure_max:g} Pa)."
+                f"pressure floor ({lower:g} Pa) and the most of limits.pressure "
+                f"({model.pressure_max:g} Pa)."
             )
         self._base = model.base_pressure
         self._floor = lower

@@ -26,11 +26,11 @@ class PidSettings:
     Parameters
     ----------
     proportional : float
-        Pa/m.
+        Differential pressure for each metre of error, Pa/m.
     integral : float
-        Pa/(m s).
+        The same for what the error adds up to, Pa/(m s).
     derivative : float
-        Pa s/m.
+        The same for how fast the error changes, Pa s/m.
     derivative_time : float
         Time constant of the filter of the derivative, s.
     pressure_floor : float

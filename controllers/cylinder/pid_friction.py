@@ -34,11 +34,11 @@ class PidFrictionSettings:
     Parameters
     ----------
     proportional : float
-        Pa/m.
+        Differential pressure for each metre of error, Pa/m.
     integral : float
-        Pa/(m s).
+        The same for what the error adds up to, Pa/(m s).
     derivative : float
-        Pa s/m.
+        The same for how fast the error changes, Pa s/m.
     lead_bandwidth : float
         Of the low-pass behind which the regulators' dynamics are inverted, rad/s.
     dither_amplitude : float

@@ -25,7 +25,7 @@ class Footstep:
     Parameters
     ----------
     foot : str
-        Which one.
+        Which one comes down: ``left`` or ``right``.
     x, y : float
         Where the point under its ankle comes down, m: ahead and to the left of the middle
         between these points of both feet at the start.

@@ -60,11 +60,11 @@ class LegMasses:
     hip_yaw, hip_roll : float
         Of the two links between the hip's axes, kg; their centres are at the hip's centre.
     thigh, shank : float
-        kg.
+        Of the links above and below the knee, kg.
     ankle : float
         Of the link between the ankle's axes, kg; its centre is at the ankle.
     foot : float
-        kg.
+        Of the foot below the ankle's axes, kg.
     upper_body : float
         Everything above the hips, kg.
     thigh_centre, shank_centre : float

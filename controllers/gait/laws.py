@@ -64,7 +64,7 @@ class LimitedNormSettings:
         Greatest norm of the twelve joint rates, rad/s. None: `norm_factor` times the mean norm
         of the phase that needs most.
     norm_factor : float
-        See there.
+        How far above that mean the bound is, where `norm_rate` says none.
     """
 
     norm_rate: Annotated[float, Unit("rad/s"), Gt(0)] | None = None

@@ -27,7 +27,7 @@ class PerLegSettings(LimitedNormSettings):
         Greatest norm of a leg's six joint rates, rad/s. None: `norm_factor` times the mean norm
         of the phase and leg that need most.
     norm_factor : float
-        See there.
+        How far above that mean the bound is, where `norm_rate` says none.
     """
 
 

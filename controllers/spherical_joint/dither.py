@@ -39,7 +39,7 @@ class DitherSettings:
         Of the mean setpoint, Pa; 0 shakes nothing. The regulators let through a tenth of it at
         20 Hz.
     frequency : float
-        Hz.
+        How often a second the tensions are shaken, Hz.
     fade_speed : float
         Of the wires, m/s: well below it the dither is whole, beyond it it fades, because seals
         that slide need none.

@@ -39,7 +39,7 @@ class SphericalJointGeometry:
     Parameters
     ----------
     ball_radius : float
-        r_c, m.
+        Radius of the ball that the wires run over, r_c, m.
     ring_radius : float
         r_ri, of the circle on the ball that the anchors lie on, m.
     anchor_angles : tuple of float

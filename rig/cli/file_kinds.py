@@ -22,8 +22,7 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     ConfigurationError
         Nothing is called so; with the nearest name.
     """
-    from rig.config.diagnostics import nearest
-    from rig.config.names import alone_in, is_path, list_files
+    from rig.config.names import alone_in, is_path, list_files, nearest_of_all
     from rig.hal import ConfigurationError
     from rig.hal.files import is_file
 
@@ -45,7 +44,7 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
         message = f"no rig or experiment is called {source!r}; did you mean the file {source}.yaml?"
         raise ConfigurationError(message)
     alone = alone_in(source, "rigs", search) or alone_in(source, "experiments", search)
-    hint = alone or nearest(source, {**rigs, **experiments}) or "there are none"
+    hint = alone or nearest_of_all(source, {**rigs, **experiments}) or "there are none"
     raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")
 
 

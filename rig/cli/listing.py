@@ -60,6 +60,7 @@ def listing(
     what = what if where is None else "runs"
     made: dict[str, Sequence[ConfigEntry] | Sequence[RunEntry]] = {}
     tables: list[Table] = []
+    everything: list[RunEntry] = []
     if what != "runs":
         from rig.config.names import find_configs
 
@@ -70,7 +71,8 @@ def listing(
                 made[folder] = found = list_configs(folder, search)
                 tables.append(Table(folder, ("name", "description"), [c[:2] for c in found]))
     if what in (None, "runs"):
-        made["runs"] = runs = _runs(out, where)
+        everything = [describe_run(path) for path in list_runs(out)]
+        made["runs"] = runs = everything if where is None else _chosen(everything, where)
         header = ("run", "status", "backend", "started", "metric")
         tables.append(Table("runs", header, [_run_row(run) for run in runs]))
     if as_json:
@@ -80,16 +82,22 @@ def listing(
     print_tables(tables)
     for kind, entries in made.items():
         if not entries:
-            asked = "" if where is None else f" of which {where} is true"
-            click.echo(f"no {kind}" + (f" in {out}" if kind == "runs" else "") + asked, err=True)
+            click.echo(_nothing_of(kind, out, where, len(everything)), err=True)
     return 0
 
 
-def _runs(out: Path, where: str | None) -> list[RunEntry]:
-    """Return the runs in a folder, or those of them that are asked for."""
-    found = [describe_run(path) for path in list_runs(out)]
-    if where is None:
-        return found
+def _nothing_of(kind: str, out: Path, where: str | None, count: int) -> str:
+    """Say that there is nothing to list."""
+    if kind != "runs":
+        return f"no {kind}"
+    if not count:
+        return f"there are no runs in {out}" + ("" if where is None else ", so --where finds none")
+    of_all = "the one run" if count == 1 else f"the {count} runs"
+    return f"of {of_all} in {out} none has {where}"
+
+
+def _chosen(found: Sequence[RunEntry], where: str) -> list[RunEntry]:
+    """Return those of the runs that are asked for."""
     from rig.run_query import Candidate, choose, parse_query
 
     chosen = choose(where, [Candidate(run._asdict(), _values(run)) for run in found])

@@ -74,13 +74,9 @@ def status(
     following, simulated = _following(steps), _in_simulation(profile, search, steps)
     notes = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     if as_json:
-        shown = {
-            "stages": [stage._asdict() for stage in stages],
-            "next": following or None,
-            "next_in_simulation": simulated,
-            "notes": notes,
-        }
-        print_json(shown)
+        told = [stage._asdict() for stage in stages]
+        coming = {"next": following or None, "next_in_simulation": simulated}
+        print_json({"stages": told, **coming, "notes": notes})
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(title, ("what", "state"), rows)])
@@ -367,16 +363,21 @@ def _gains_of(calibration: Calibration) -> str:
 
 
 def _margins(profile: Profile) -> list[Milestone]:
+    from rig.assembly import REGISTRY
     from rig.cli.loops import known_loops, loops_of
 
     tables, _ = loops_of(profile, known_loops(profile))
-    return [
+    loops = [
         Milestone(f"loop of {name}",
               f"stable: {stable}, crossover {crossover}, phase {phase}, more dead time: {delay}, "
               f"sensitivity {sensitivity}")
         for table in tables
         for name, stable, crossover, phase, delay, sensitivity in table.rows
     ]  # fmt: skip
+    if loops and REGISTRY.measured_loop(profile.mechanism) is not None:
+        told = f"the above is the linear model's: rig margins {profile.argument} measures it"
+        loops.append(Milestone("loops measured", told))
+    return loops
 
 
 def _last_runs(profile: Profile, out: Path) -> list[Milestone]:
@@ -386,15 +387,12 @@ def _last_runs(profile: Profile, out: Path) -> list[Milestone]:
 
     runs = [run for run in map(describe_run, list_runs(out)) if run.rig == profile.name]
     stages = []
-    for what, is_wanted in (("hardware", True), ("simulation", False)):
+    for title, is_wanted in (("last run on hardware", True), ("last simulated run", False)):
         of = [run for run in runs if (run.backend == "hardware") is is_wanted]
         if not of:
-            stages.append(
-                Milestone(f"last run on {what}" if is_wanted else "last simulated run", "-")
-            )
+            stages.append(Milestone(title, "-"))
             continue
         last = max(of, key=lambda run: run.started or "")
         when = (last.started or "-")[:19].replace("T", " ")
-        title = f"last run on {what}" if is_wanted else "last simulated run"
         stages.append(Milestone(title, f"{last.status}, {last.experiment}, {when}, {last.path}"))
     return stages

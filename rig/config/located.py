@@ -158,7 +158,10 @@ def places_of(node: Node, name: str = "") -> Iterator[tuple[str, str]]:
 
 
 def places_named(
-    message: str, places: Mapping[str, str], others: Mapping[str, str] = MappingProxyType({})
+    message: str,
+    places: Mapping[str, str],
+    others: Mapping[str, str] = MappingProxyType({}),
+    section: str = "",
 ) -> str:
     """Return a message with the place of each setting and each device that it names.
 
@@ -169,7 +172,9 @@ def places_named(
     places : mapping of str to str
         Where each key stands, by its dotted name.
     others : mapping of str to str
-        The same of another file; its keys are meant by names with a dot only.
+        The same of another file; its keys are meant by names with a dot only …
+    section : str
+        … and those of this section of it by theirs alone.
     """
     said = message.partition("; there are ")[0]  # what else there is has no part in it
     words = {word.strip(".") for word in _DOTTED.findall(said)}
@@ -183,6 +188,6 @@ def places_named(
         f"    {key}: {place}"
         for key, place in others.items()
         for word in words
-        if "." in word and (key == word or key.endswith(f".{word}"))
+        if ("." in word and (key == word or key.endswith(f".{word}"))) or key == f"{section}.{word}"
     }
     return "\n".join([message, *sorted(named)[:_MOST_PLACES]])

@@ -1,9 +1,11 @@
 """Find configuration folders, rigs and experiments by name."""
 
+import difflib
 import os
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
 
@@ -14,6 +16,10 @@ from rig.hal.files import is_file, is_folder, reason_unread
 Folder = Literal["rigs", "experiments"]
 
 SUFFIXES: Final = (".yaml", ".yml")
+_LONGEST: Final = 64
+"""Letters of a wrong name that are looked at."""
+_MOST_FILES: Final = 1000
+"""Files beside a wrong name that are looked at."""
 _SINGULAR: Final = {"rigs": "rig", "experiments": "experiment"}
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,63}")
 
@@ -104,6 +110,32 @@ def is_path(source: str) -> bool:
     return "/" in source or source.endswith(SUFFIXES)
 
 
+def nearest_file(path: Path) -> Path | None:
+    """Return the configuration file beside a path whose name is most like its; None: none is."""
+    beside = _files_beside(path)
+    close = difflib.get_close_matches(path.name[:_LONGEST], beside, n=1)
+    return beside[close[0]] if close else None
+
+
+def nearest_of_all(name: str, names: Iterable[str]) -> str | None:
+    """Return a hint as `nearest` does; a file here may be more like a wrong name than any name."""
+    here = _files_beside(Path(name))
+    files = {path.stem: path for path in here.values()} | here
+    close = difflib.get_close_matches(name[:_LONGEST], [*names, *files], n=1)
+    if close and close[0] in files:
+        return f"did you mean the file {files[close[0]]}?"
+    return nearest(name, names)
+
+
+def _files_beside(path: Path) -> dict[str, Path]:
+    """Return the configuration files in a path's folder by their names, a thousand at most."""
+    try:
+        found = sorted(islice(path.parent.iterdir(), _MOST_FILES))
+    except OSError:
+        return {}
+    return {its.name: its for its in found if its.suffix in SUFFIXES and is_file(its)}
+
+
 def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Path:
     """Return the file of a rig or experiment.
 
@@ -123,12 +155,16 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
     """
     if isinstance(source, Path) or is_path(source):
         path = Path(source)
-        if source == path.name and not os.path.lexists(path):
-            known = list_files(folder, search).get(path.stem)
+        if not os.path.lexists(path):
+            known = list_files(folder, search).get(path.stem) if source == path.name else None
             if known is not None:
                 raise ConfigurationError(
                     f"there is no file {source} here; did you mean the {_SINGULAR[folder]} "
                     f"{path.stem}, {known}?"
+                )
+            if (beside := nearest_file(path)) is not None:
+                raise ConfigurationError(
+                    f"there is no file {source}; did you mean the file {beside}?"
                 )
         return path
     files = list_files(folder, search)
@@ -139,7 +175,7 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
         raise ConfigurationError(
             f"no {_SINGULAR[folder]} is called {source!r}; did you mean the file {beside}?"
         )
-    hint = alone_in(source, folder, search) or nearest(source, files)
+    hint = alone_in(source, folder, search) or nearest_of_all(source, files)
     where = ", ".join(str(configs / folder) for configs in search) or "nowhere: no folder"
     raise ConfigurationError(
         f"no {_SINGULAR[folder]} is called {source!r}; " + (hint or f"looked in {where}")

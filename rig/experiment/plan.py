@@ -237,7 +237,8 @@ def _of_experiment(
 ) -> ConfigurationError:
     """Return an error with the experiment's name, and the place of each key that it names."""
     told = [
-        f"{experiment.name}: {places_named(text, experiment.places, profile.places)}"
+        f"{experiment.name}: "
+        f"{places_named(text, experiment.places, profile.places, profile.mechanism)}"
         for text in SeveralErrors.told_by(error)
     ]
     made = SeveralErrors(told) if isinstance(error, SeveralErrors) else type(error)(told[0])

@@ -122,4 +122,4 @@ def test_a_run_that_cannot_be_read_is_said_and_none_is_told_from_none_such(runs,
     assert invoke(["list", "runs", "--out", str(tmp_path), "--where", "rig = crane"]) == 0
     told = capsys.readouterr().err
     assert f"{spoilt} cannot be read" in told
-    assert f"no runs in {tmp_path} of which rig = crane is true" in told
+    assert f"of the 3 runs in {tmp_path} none has rig = crane" in told

@@ -81,7 +81,7 @@ class Payload:
     Parameters
     ----------
     mass : float
-        kg.
+        What the hand carries, kg.
     centre : tuple of float
         Centre of gravity, from the tool point along the tool's axes, m.
     moments : tuple of float

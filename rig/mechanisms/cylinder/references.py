@@ -31,7 +31,7 @@ class SineTone:
     Parameters
     ----------
     frequency : float
-        Hz.
+        How often a second it goes there and back, Hz.
     periods : int
         Whole periods, at least two: the first half period settles and is not judged.
     """
@@ -49,7 +49,7 @@ class Sine(PairMotion):
     Parameters
     ----------
     amplitude : float
-        m.
+        How far it goes to either side of zero, m.
     tones : tuple of SineTone
         The frequencies in their order.
     """
@@ -153,7 +153,7 @@ class Step(PairMotion):
     Parameters
     ----------
     size : float
-        m.
+        How far each step goes, m.
     dwell : float
         Time before and after each step begins, s.
     repeats : int

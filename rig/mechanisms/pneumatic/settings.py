@@ -25,7 +25,7 @@ class SealFriction:
     stribeck_velocity : float
         Where breakaway has faded into Coulomb friction, m/s.
     viscous : float
-        N s/m.
+        More of it for each speed, N s/m.
     """
 
     coulomb: Annotated[float, Unit("N"), Ge(0)]

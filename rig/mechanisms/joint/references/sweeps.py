@@ -27,7 +27,7 @@ class JointSpiral(JointDrawing):
     Parameters
     ----------
     tilt : float
-        Greatest, rad.
+        The greatest tilt of the axis from upright, rad.
     turns : int
         Rounds on the way out.
     duration_out : float

@@ -31,11 +31,11 @@ class MyLawSettings:
     Parameters
     ----------
     proportional : float
-        Pa/m.
+        Differential pressure for each metre of error, Pa/m.
     integral : float
-        Pa/(m s).
+        The same for what the error adds up to, Pa/(m s).
     derivative : float
-        Pa s/m.
+        The same for how fast the error changes, Pa s/m.
     """
 
     proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 5e7
