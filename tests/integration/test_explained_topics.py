@@ -140,6 +140,7 @@ def test_what_is_refused_is_explained_in_the_words_that_it_was_told_in(capsys, w
     [
         ("pair force is limited", "limited"),
         ("valves: the valve of ch2 is stuck or off, or its monitor is off [ch2", "regulator_stuck"),
+        ("regulators: the regulator of ch2 is stuck, slow or off, or its [ch2", "regulator_stuck"),
         (
             "regulators: the chamber of antagonist leaks behind its tube, or its monitor is off, "
             "or the carriage is pushed or held: 9 N are not those of the pressures",

@@ -7,6 +7,9 @@ import pytest
 from joint_fakes import CHANNELS
 from pressure_bench import DEVIATION, NEVER, START, STEP, Bench
 
+from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 OFFSET = 12e3
@@ -126,3 +129,54 @@ def test_of_what_hardly_moves_nothing_is_said_but_that_it_is_off(seed):
     for loop, words in ((0.499 * healthy, STUCK), (0.501 * healthy, ANY)):
         watch._bounds = watch._bounds._replace(loop=loop)
         assert words in watch._explain_strange(1)
+
+
+RATE, SLOW, LOOP = 95e3, 0.5, 2.5e3
+"""A chamber fills by so many Pa/s, which a regulator of half the bandwidth is 4.75 kPa late for."""
+
+
+def filled(slowed, static, bandwidth=40.0, since=0.0):
+    """Return what is said of a regulator so many times slower in a long ramp, and what is usual."""
+    bounds = PressureBounds(NEVER, NEVER, NEVER, NEVER, OFFSET, SLOW, LOOP)
+    watch = PressureWatch(bounds, RegulatorModel(bandwidth, 1.0), ["ch1"], "regulators")
+    pressure, rate, own = 0.0, 0.0, bandwidth / slowed
+    for cycle in range(round(2.5 / STEP)):
+        setpoint = RATE * max(cycle * STEP - 1.0, 0.0)  # it rests for a second before
+        for _ in range(10):
+            rate += 0.1 * STEP * own * (own * (setpoint - pressure) - 2.0 * rate)
+            pressure += 0.1 * STEP * rate
+        watch.send([setpoint])
+        try:
+            watch.check([pressure + static * (cycle * STEP >= since)], cycle * STEP)
+        except SafetyError as error:
+            return str(error), watch._channels[0].usual
+    return None, watch._channels[0].usual
+
+
+@pytest.mark.parametrize("static", [-8e3, 0.0, 8e3])
+def test_what_a_slow_regulator_is_late_by_in_a_long_ramp_is_not_usual_for_it(static):
+    """It was: a mean over all that had been took the ramp for its own."""
+    said, usual = filled(4.5, static)
+    assert "the regulator of ch1 is stuck, slow or off, or its monitor is off" in said
+    assert usual == pytest.approx(static, abs=1.5e3)
+    said, usual = filled(1.5, static)
+    assert said is None
+    assert usual == pytest.approx(static, abs=1.5e3)
+
+
+@pytest.mark.parametrize(("bandwidth", "is_usual"), [(72.0, False), (80.0, True)])
+def test_what_a_regulator_is_off_in_a_slow_ramp_is_usual(bandwidth, is_usual):
+    """By less than the hysteresis one of half the bandwidth is late for it: 76 rad/s."""
+    said, usual = filled(1.0, 8e3, bandwidth, since=1.2)
+    assert said is None
+    assert (usual > 3e3) is is_usual and (usual < 0.5e3) is not is_usual
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_what_is_ahead_of_a_healthy_one_is_not_slow(sign):
+    bench = Bench(deviation=NEVER, slow=NEVER, offset=NEVER, loop=LOOP)
+    channel, bounds = bench.watch._channels[0], bench.watch._bounds
+    channel.likeness = sign
+    for late, slow in ((LOOP, False), (1.001 * LOOP, sign > 0.0)):
+        channel.lag_mean = late
+        assert channel.may_be_slow(bounds) is slow

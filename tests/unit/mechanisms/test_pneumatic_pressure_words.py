@@ -250,7 +250,7 @@ def test_means_are_taken_over_their_times():
     """The mean over four time constants, what is usual over 5 s, slowness over 1 s."""
     rng = np.random.default_rng(5)
     response = RegulatorModel(40.0, 1.0)
-    watch = PressureWatch(PressureBounds(*[NEVER] * 6, 0.0), response, ["a"], "v")
+    watch = PressureWatch(PressureBounds(*[NEVER] * 7), response, ["a"], "v")
     watch.send([START])
     watch.check([START], 100.0)
     offs, usuals, lags, now = [], [], [], 100.0

@@ -81,6 +81,10 @@ class ChannelAnswers:
         least = LEAST_LAG * bounds.loop
         return self.likeness / self.lag_power if self.lag_power > least * least else 0.0
 
+    def may_be_slow(self, bounds: PressureBounds) -> bool:
+        """Return whether this one is off to where a slow one would be while its setpoint moves."""
+        return self.lag_mean > bounds.loop and self.likeness > 0.0
+
     def most_slow(self, bounds: PressureBounds) -> float:
         """Return the permitted share: the hysteresis hides the more, the less there is to see."""
         power = self.lag_power

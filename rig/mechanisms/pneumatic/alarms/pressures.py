@@ -24,7 +24,8 @@ _LEAST_MEAN = 0.05
 """It is taken over no less, s: a rod that slips, and setpoints that turn round at once, push a
 pressure about for so long, however quick what feeds the chamber is."""
 _USUAL = 5.0
-"""Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is."""
+"""Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is. A
+ramp while all chambers fill takes as long, and what a slow one lags by in it is not usual."""
 _SLOW = 1.0
 """Time over which a deviation is compared with that of a slow regulator, s."""
 _MOVES = 0.5
@@ -137,7 +138,7 @@ class PressureWatch:
             jump = max(channel.jump, abs(off - before))
             channel.jump = 0.0 if -most < off - channel.usual < most else jump
             channel.mean += mean * (off - channel.mean)
-            channel.usual += usual * (off - channel.usual)
+            channel.usual += (usual if abs(lag) < bounds.loop else 0.0) * (off - channel.usual)
             channel.lag_mean += mean * (abs(lag) - channel.lag_mean)
             if not channel.compare(lag, share, bounds):
                 channel.quick_at = now
@@ -246,7 +247,8 @@ class PressureWatch:
             return f"{self._explain()}, or it is slow"
         # A spool that stays just off its middle, or a signal that rests while its setpoint moves
         # on, lets a pressure creep away.
-        found = f"the {part} of {name} is stuck or off, or its monitor is off"
+        slow = ", slow" if channel.may_be_slow(self._bounds) else ""
+        found = f"the {part} of {name} is stuck{slow} or off, or its monitor is off"
         if channel.mean >= channel.usual:
             return found
         # What is not filled at the moment does not fall short yet.
