@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rig.config import Profile
 
+_MOST_UNITLESS = 12
+"""Numbers without a unit that are told one by one."""
+
 
 def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
     """Return what `rig check` warns of.
@@ -28,7 +31,15 @@ def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
     search = find_configs(configs)
     inherited = inherited_sentences(profile, search)
     elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
-    return [*_of_broken_parts(profile), *inherited, *elsewhere, *_strange_units(profile)]
+    strange = [*_strange_units(profile), *_unitless(profile.unitless)]
+    return [*_of_broken_parts(profile), *inherited, *elsewhere, *strange]
+
+
+def _unitless(said: Sequence[str]) -> Sequence[str]:
+    """Return the sentences on numbers without a unit; a file that a program wrote has one."""
+    if len(said) <= _MOST_UNITLESS:
+        return said
+    return [f"{len(said)} numbers have no unit and are read in SI, as programs write them"]
 
 
 def _of_broken_parts(profile: Profile) -> Iterator[str]:

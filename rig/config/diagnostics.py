@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from rig.config.located import Mark, Source
+from rig.config.unitless import Unitless
 from rig.hal import ConfigurationError
 
 _WIDTH = 96
@@ -60,6 +61,8 @@ class Problems:
         self._found: dict[tuple[Mark, str], Diagnostic] = {}
         self._broken: set[Mark] = set()
         self._partial: set[Source] = set()
+        self.unitless: dict[Unitless, None] = {}
+        """Numbers without a unit, which are no errors; each once, in their order."""
 
     def __bool__(self) -> bool:
         return bool(self._found)

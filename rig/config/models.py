@@ -237,6 +237,8 @@ class Profile:
     additions : tuple of str
         What other packages add to the mechanism, by the names of their entry points: nothing of
         theirs is imported that a profile does not name.
+    unitless : tuple of str
+        A sentence for each number without a unit where people write one; no part of its value.
     """
 
     name: str
@@ -257,6 +259,7 @@ class Profile:
     calibrated_bases: dict[str, str] = field(default_factory=dict, compare=False)
     places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
     additions: tuple[str, ...] = ()
+    unitless: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def nominal_settings(self) -> Settings:

@@ -35,6 +35,7 @@ from rig.config.names import find_file, is_name, is_path, list_files
 from rig.config.records import record_folders
 from rig.config.settings import build
 from rig.config.simulation_models import SimulationSettings
+from rig.config.unitless import say_unitless
 
 PROFILE_KEYS: Final = (
     "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",
@@ -248,6 +249,7 @@ class _Reader(Sections):
             uncalibrated=uncalibrated,
             places=dict(places_of(self.root)),
             additions=head.additions,
+            unitless=say_unitless(self.problems.unitless, dict(places_of(self._bare))),
             foreign=self._foreign,
             tunings={
                 name.removeprefix(TUNED): calibration

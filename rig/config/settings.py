@@ -45,6 +45,7 @@ from rig.config.pydantic_errors import report, report_rule
 from rig.config.quantities import UnitError, parse_quantity, usual_units
 from rig.config.repair import rules_besides
 from rig.config.type_hints import hints, is_union, members, split_annotated
+from rig.config.unitless import find_unitless
 from rig.hal.rising import Rising
 
 T = TypeVar("T")
@@ -91,6 +92,7 @@ def build(
                 report_rule(node.descend(path)[0], message, problems)
         return None
     assert isinstance(instance, settings)
+    problems.unitless |= dict.fromkeys(find_unitless(settings, node))
     return instance
 
 
