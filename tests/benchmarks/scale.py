@@ -1,6 +1,7 @@
 """How costs grow: devices on a bus, channels in a log, length of a run. Prints a table, draws it.
 
     python tests/benchmarks/scale.py [--figure .readme/scale.png]
+    python tests/benchmarks/scale.py --only report --minutes 1 600    # 12 GB of disk for a while
 
 Processor time each, so that neighbours of this machine matter little; the least of a few rounds.
 Slopes are those of straight lines through the logarithms: 1 is linear.
@@ -8,6 +9,7 @@ Slopes are those of straight lines through the logarithms: 1 is linear.
 
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -133,11 +135,11 @@ def lengthen(source, folder, minutes):
     return folder
 
 
-def length_costs(folder, works):
+def length_costs(folder, works, lengths):
     """Return time (s) and memory (MB) of what is done with a run, by its minutes."""
     source = rig.run("cylinder-sine", on="sim", report=False, out=folder / "runs").path
     found = {name: [] for name in works}
-    for minutes in MINUTES:
+    for minutes in lengths:
         long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
         for name, work in works.items():
             words = [sys.executable, "-c", ONE.format(work=work), str(long)]
@@ -147,6 +149,10 @@ def length_costs(folder, works):
                 found[name].append((np.nan, np.nan))
             else:
                 found[name].append(tuple(map(float, done.stdout.split()[-2:])))
+            say(f"{name}, {minutes} min: {found[name][-1][0]:.1f} s, {found[name][-1][1]:.0f} MB")
+            for left in long.glob("out.*"):
+                left.unlink()
+        shutil.rmtree(long)
     return found
 
 
@@ -173,13 +179,14 @@ def draw(path, cycles, logs, lengths):
     figure.savefig(path, dpi=110)
 
 
-def tell_lengths(lengths):
+def tell_lengths(minutes, lengths):
     """Say what `length_costs` found."""
     for name, rows in lengths.items():
         row = "  ".join(
-            f"{m}: {s:.1f} s, {mb:.0f} MB" for m, (s, mb) in zip(MINUTES, rows, strict=True)
+            f"{m}: {s:.1f} s, {mb:.0f} MB" for m, (s, mb) in zip(minutes, rows, strict=True)
         )
-        say(f"{name}, by minutes: {row}; slope {slope(MINUTES, [s for s, _ in rows]):.2f}")
+        grows = slope(minutes, [s for s, _ in rows]) if len(rows) > 1 else np.nan
+        say(f"{name}, by minutes: {row}; slope {grows:.2f}")
 
 
 def main():
@@ -187,19 +194,24 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--figure", type=Path, help="where the curves are drawn")
     parser.add_argument("--only", choices=WORKS, help="one work, over the length of a run alone")
+    parser.add_argument(
+        "--minutes", type=int, nargs="+", default=MINUTES, help="lengths of the run; 600 are 12 GB"
+    )
+    parser.add_argument("--folder", help="where the logs are written meanwhile")
     asked = parser.parse_args()
     began = time.monotonic()
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory(dir=asked.folder) as name:
         folder = Path(name)
         if asked.only is not None:
-            tell_lengths(length_costs(folder, {asked.only: WORKS[asked.only]}))
+            costs = length_costs(folder, {asked.only: WORKS[asked.only]}, asked.minutes)
+            tell_lengths(asked.minutes, costs)
             return
         cycles, logs = cycle_costs(folder), log_costs(folder)
         for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
             row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
             say(f"{what}: {row}; slope {slope(x, y):.2f}")
-        lengths = length_costs(folder, WORKS)
-    tell_lengths(lengths)
+        lengths = length_costs(folder, WORKS, MINUTES)
+    tell_lengths(MINUTES, lengths)
     if asked.figure is not None:
         draw(asked.figure, cycles, logs, lengths)
     say(f"it took {time.monotonic() - began:.0f} s")
