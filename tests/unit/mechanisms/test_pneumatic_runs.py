@@ -9,7 +9,7 @@ from pneumatic_fakes import BASE
 from test_pneumatic_tracking_alarm import PERIOD, watch
 
 from rig.hal import SafetyError
-from rig.mechanisms.pneumatic.alarms.tracking import Gone, Shifted
+from rig.mechanisms.pneumatic.alarms.tracking import Gone, Shifted, Strayed
 
 FAST, SLOW = 0.101, 0.099
 """m/s, at either side of what counts as running."""
@@ -84,6 +84,27 @@ def test_what_creeps_is_no_start_and_an_encoder_that_jumps_is_not_one_either():
     assert stands([0.0] * 30 + [2.9e-3] * 30) is None
     _, fault = stands([0.0] * 30 + [3.1e-3])
     assert not fault.ran
+
+
+def test_the_bounds_of_a_start_are_allowed_and_what_is_older_is_forgotten():
+    start = 0.5e-3
+    for sign in (1.0, -1.0):
+        ramp = [sign * start * k / 8 for k in range(9)]
+        assert stands(ramp) is None
+        assert stands([*ramp, math.nextafter(ramp[-1], sign)]) is not None
+    for last, seen in ((10, True), (11, False)):  # cycles of 1 ms that it takes
+        watched = watch(names=("the pair", "another"))
+        places = [1.05 * start * k / last for k in range(last + 1)]
+        assert (stands(places, watched) is not None) is seen
+    # An encoder that jumps by just six tenths of the way has run.
+    assert stands([0.0, 0.6 * 1e-3, 1e-3]) is not None
+    assert stands([0.0, 0.61e-3, 1e-3]) is None
+
+
+@pytest.mark.parametrize("kind", [Shifted, Strayed])
+def test_errors_that_say_no_more_are_of_the_first_rod_which_did_not_run(kind):
+    error = kind("way of a rod", 1.0, -0.5, 0.5, "m")
+    assert (error.rod, error.ran) == (0, False)
 
 
 def test_what_was_seen_before_a_new_start_is_no_start():

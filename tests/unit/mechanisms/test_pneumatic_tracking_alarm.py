@@ -244,6 +244,13 @@ def test_one_swing_far_to_both_sides_is_enough_unless_it_dies_away():
         (50, [0.0, 3.0, -3.0, 0.0], True),
         (50, [0.0, -3.0, 3.0, 0.0], True),
         (3, [0.0, 1.5, -1.5, 1.5, -1.5, 0.0], False),
+        (2, [0.0, 0.5, -0.9, 1.4, 0.0], False),  # it has lasted, and grows
+        # What was nearer before is no swing yet: a push may have thrown it to the first end.
+        (50, [0.0, 1.0, -3.0, 2.8, 0.0], True),
+        (50, [0.0, -1.0, 3.0, -2.8, 0.0], True),
+        (50, [0.0, 1.99, -2.9, 2.8, 0.0], False),
+        (50, [0.0, -1.99, 2.9, -2.8, 0.0], False),
+        (50, [0.0, 0.7 * 2.8, -2.9, 2.8, 0.0], False),
     ],
 )
 def test_a_single_swing_is_named_with_the_push_that_may_have_begun_it(swings, errors, pushed):

@@ -140,12 +140,9 @@ class _Swings:
 
         From there a push may have thrown it to the first end of that swing.
         """
-        if self.frequency(self._enough, now) is not None:
-            return False
-        if self.frequency(2, now) is None:
-            return True
-        (before, _), _, (last, _) = self._turned[-3:]
-        return abs(before) < _KEPT * abs(last)
+        lasted = self.frequency(self._enough, now) is not None
+        extremes = [abs(extreme) for extreme, _ in self._turned[-3:]]
+        return not lasted and (len(extremes) < 3 or extremes[0] < _KEPT * extremes[2])
 
     def frequency(self, swings: int, now: float) -> float | None:
         """Return the frequency, Hz, if so many swings have lasted until now; else None."""
