@@ -64,12 +64,12 @@ class CanBusSettings(CanInterfaceSettings):
         ------
         ConfigurationError
         """
-        cycles = ceil(self.heartbeat / period - 1e-9)
-        longest = cycles * period
-        if self.heartbeat_timeout < 2.0 * longest - 1e-9:
+        between = ceil(self.heartbeat / period - 1e-9) * period
+        least = between + period
+        if self.heartbeat_timeout < least - 1e-9:
             raise ConfigurationError(
-                f"buses.{name}.heartbeat_timeout ({self.heartbeat_timeout:g} s) is less than two "
-                f"heartbeats of the master, which leave every {longest:g} s as cycles of "
-                f"{period:g} s let them; one late heartbeat would stop the rig; give "
-                f"{2.0 * longest:g} s at least, or a higher loop.rate"
+                f"buses.{name}.heartbeat_timeout ({self.heartbeat_timeout:g} s) is less than what "
+                f"lies between two heartbeats of the master, {between:g} s in cycles of "
+                f"{period:g} s, and one late cycle; that would stop the rig; give {least:g} s at "
+                "least, or a higher loop.rate"
             )

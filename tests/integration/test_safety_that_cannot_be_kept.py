@@ -68,7 +68,7 @@ def test_a_master_that_beats_in_its_cycle_does_so_often_enough(seed, capsys):
     timed = [f"{BUS}.heartbeat={beats} ms", f"{BUS}.heartbeat_timeout={timeout} ms"]
     err = refused("cylinder", [*timed, f"loop.rate={1e3 / cycle:.4f}"], capsys)
     assert "buses.can0.heartbeat_timeout" in err
-    assert "two heartbeats of the master" in err
+    assert "between two heartbeats of the master" in err
     assert "loop.rate" in err
     assert "heartbeats of the master" not in said_at(timed, capsys)
 
