@@ -100,7 +100,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/balance.py",
-        'short = " or ".join(',
+        'weak = " or ".join(',
         "missing < 0.0 -> missing <= 0.0",
         "pairs that lack nothing are not among those found",
     ),
@@ -109,6 +109,37 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "weak = self._pairs[pair][0 if missing < 0.0 else 1]",
         "missing < 0.0 -> missing <= 0.0",
         "nothing is said of a pair that lacks nothing",
+    ),
+    *(
+        Equivalent("rig/mechanisms/pneumatic/alarms/balance.py", line, change, why)
+        for line, change, why in (
+            (
+                "return 0.0, missing_pull(late, self._mass, self._friction, sticks=True)",
+                "0.0 -> 1.0",
+                "of pairs that stick all have the same time",
+            ),
+            (
+                "history, first = self._instants(pair, math.inf), (0.0, 0.0)",
+                "0.0 -> 1.0",
+                "a pair that lacks nothing is left out, whatever its time; a pull has a test",
+            ),
+            (
+                "first = late[0].t, missing",
+                "0 -> 1",
+                "each pair began a cycle later then, and only what lies between them counts",
+            ),
+            (
+                "del history[1 - len(late) :]  # all of it, where the one before is long ago",
+                "1 -> 2",
+                "the stretches that are looked at overlap by two cycles instead of one",
+            ),
+            (
+                "found = [(missing, pair) for when, missing, pair in short if when < began + 0.5 * "
+                "_LOOK]",
+                "when < began + 0.5 * _LOOK -> when <= began + 0.5 * _LOOK",
+                "a run is found to begin a few milliseconds early or late",
+            ),
+        )
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/balance.py",

@@ -231,21 +231,17 @@ class PullBalance:
         pair : int
             Its number.
         """
-        history = self._history
-        if len(history) < _ENOUGH or not self._is_fast(pair, history[-2]):  # as nearly always
+        if len(self._history) < _ENOUGH:
             return None
-        now = history[-1][0]
-        start = next((one for one in reversed(history) if now - one[0] >= _RUN_TIME), history[-1])
-        if start[0] < now - _LOOK or not self._is_fast(pair, start):
-            return None
-        return self.explain() if len(_late(self._instants(self._pairs[pair]))) >= _ENOUGH else None
-
-    def _is_fast(self, pair: int, start: _Entry) -> bool:
-        """Return whether a pair has run since then."""
         one, other = self._pairs[pair]
-        (then, were, _), (now, rods, _) = start, self._history[-1]
+        (then, were, _), (now, rods, _) = self._history[-2], self._history[-1]
         way = 0.5 * (rods[one] - rods[other] - were[one] + were[other])
-        return abs(way) > _RUN_SPEED * (now - then)
+        if abs(way) <= _RUN_SPEED * (now - then):  # as nearly always
+            return None
+        late = self._instants(self._pairs[pair])
+        start = next((instant for instant in late[::-1] if now - instant.t >= _RUN_TIME), late[-1])
+        ran = abs(late[-1].place - start.place) > _RUN_SPEED * (now - start.t)
+        return self.explain() if ran and len(late) >= _ENOUGH else None
 
     def explain_off(self, off: float, pair: int = 0) -> str | None:
         """Return why a pair stays off its reference though its pressures pull it back.
@@ -342,17 +338,16 @@ class PullBalance:
         if sticks:
             late = self._instants(pair)
             return 0.0, missing_pull(late, self._mass, self._friction, sticks=True)
-        history = self._instants(pair, _KEPT * _LOOK)
-        when, found = 0.0, 0.0
+        history, first = self._instants(pair, math.inf), (0.0, 0.0)
         while history:
             missing = missing_pull(history, self._mass, self._friction)
             late = _late(history)
             if missing:
-                when, found = late[0].t, missing
+                first = late[0].t, missing
             del history[1 - len(late) :]  # all of it, where the one before is long ago
             if history and _stands(_late(history)):
                 break
-        return when, found
+        return first
 
     def _instants(self, pair: tuple[int, int], over: float = _LOOK) -> list[Instant]:
         """Return the last instants of a pair, over a time (s)."""
