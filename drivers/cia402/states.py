@@ -43,6 +43,8 @@ ENABLE_OPERATION: Final = 0x0F
 FAULT_RESET: Final = 0x80
 
 # Bits of the status word.
+VOLTAGE_ENABLED: Final = 0x0010
+"""Its power stage has voltage, and may have it (not where safe torque off is open)."""
 LIMIT_ACTIVE: Final = 0x0800
 FOLLOWING_ERROR: Final = 0x2000
 

@@ -243,6 +243,10 @@ def test_safe_torque_off_keeps_the_drive_disabled(drive):
     assert not drive.read(0x6041) & 0x0010
     drive.write(0x6040, SHUTDOWN)
     assert drive.state is State.DISABLED
+    drive.node.power_on()  # which closes no contact
+    drive.run(0.1)
+    drive.write(0x6040, SHUTDOWN)
+    assert drive.state is State.DISABLED
     drive.node.inject("repair")
     drive.write(0x6040, SHUTDOWN)
     assert drive.state is State.READY

@@ -15,8 +15,8 @@ from rig.config.simulation_models import FaultSpec
 LATER = ("stop-reaction", "master", "cable", "sensors", "response", "ends", "load", "first-motion")
 
 
-def with_fault(profile, fault, size):
-    entry = FaultSpec(0.0, "plant", fault, size)
+def with_fault(profile, fault, size, device="plant"):
+    entry = FaultSpec(0.0, device, fault, size)
     simulation = dataclasses.replace(profile.simulation, faults=(entry,))
     return dataclasses.replace(profile, simulation=simulation)
 
@@ -94,14 +94,17 @@ def test_a_poor_supply_is_named_beside_the_scale(tmp_path):
 
 
 SERVO = [
-    ("brake_released", 1.0, "ranges: ", "its brake does not hold"),
-    ("payload", 20.0, "hold: ", "needs more torque"),
-]
+    ("plant", "brake_released", 1.0, "ranges: ", "its brake does not hold"),
+    ("plant", "payload", 20.0, "hold: ", "needs more torque"),
+    ("drives", "q4.safe_torque_off", None, "hold: drives joint q4: the drive does not enable",
+     "no voltage: safe torque off is open"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("fault", "size", "begins", "cause"), SERVO)
-def test_a_joint_that_falls_is_no_joint_that_was_struck_alone(tmp_path, fault, size, begins, cause):
-    profile = with_fault(load_profile("arm", REGISTRY, (), find_configs(None)), fault, size)
+@pytest.mark.parametrize(("device", "fault", "size", "begins", "cause"), SERVO)
+def test_a_joint_that_is_not_held_is_named_with_why(tmp_path, device, fault, size, begins, cause):
+    profile = load_profile("arm", REGISTRY, (), find_configs(None))
+    profile = with_fault(profile, fault, size, device)
     site = Site(profile, lambda its: build_rig(its, Backend.VIRTUAL), SimulatedOperator(), tmp_path)
     record = begin(profile, [tmp_path], CommissioningFacts("virtual"), anew=True)
     stopped = commission(site, record, steps_of(profile), tmp_path, lambda said: None)

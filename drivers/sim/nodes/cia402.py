@@ -320,10 +320,10 @@ class EmulatedCia402(EmulatedNode):
         self.leave_operational(self.now)  # even where 0x1029 changes no state
 
     def restore_process(self) -> None:
-        """Power-on: no torque, not ready, no mode."""
+        """Power-on: no torque, not ready, no mode. Contacts stay as they are."""
         self.machine.power_on()
         self._take_mode(0)
-        self._torque_off = self._limited = False
+        self._limited = False
         self._motion.restart(0.0, self.now)
         self._cap()
         self._motion_due = self.now

@@ -42,11 +42,13 @@ class HoldStill(AcceptanceStep):
             try:
                 axes.bench.run(ENABLED, MotorWatch(axes).look)
             except DeviceFault as fault:
+                said = str(fault).partition(": ")[2]
                 what = (
-                    "it does not hold: its encoder is mirrored or frozen, or its scale is wrong, "
-                    "or what it bears needs more torque than it is permitted"
+                    "or, if its drive has torque, it does not hold: its encoder is mirrored or "
+                    "frozen, or its scale is wrong, or what it bears needs more torque than it is "
+                    "permitted"
                 )
-                raise Defect(fault.device, f"{what}; {fault}") from fault
+                raise Defect(fault.device, f"{said}; {what}") from fault
             held = axes.shown()
             holding = Task("hold.still", "Do all joints stand still (yes, no)?", _still)
             site.operator.do(holding, site.world_of(axes.rig))
