@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,5 +52,4 @@ def gone_through_again(run: Path, out: Path) -> Path | None:
     """Go through the run of a folder on `sim`; see `gone_through`."""
     from rig.replaying.rerun import Repeat
 
-    os.nice(10)  # the run itself may go on
     return gone_through(Repeat(run).plan, out)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import os
 import tempfile
 from pathlib import Path
 
@@ -78,6 +79,7 @@ def watch(
         if rehearse:
             from rig.cli.rehearse import gone_through_again
 
+            os.nice(10)  # the run itself may go on
             kept = stack.enter_context(tempfile.TemporaryDirectory(prefix="rig-rehearsal-"))
             other = gone_through_again(path, Path(kept))
         serve_run(path, other, port, tell, steer=steer, leaves=until_left)
