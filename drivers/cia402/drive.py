@@ -28,7 +28,6 @@ from drivers.cia402.states import (
     FOLLOWING_ERROR,
     LIMIT_ACTIVE,
     QUICK_STOP,
-    VOLTAGE_ENABLED,
     DriveState,
     Goal,
     decode_state,
@@ -378,8 +377,6 @@ class Cia402Drive(DrivePapers, AxisDrive[DriveSettings]):
         if not parts and self.state in FAULTY:
             parts.append("error code not reported")
         parts.append(describe_status(self.status))
-        if not self.status & VOLTAGE_ENABLED and self.state not in FAULTY:
-            parts.append("its motor has no voltage: safe torque off is open, or its supply is off")
         if self.status & LIMIT_ACTIVE:
             parts.append("a limit inside the drive is active")
         return ", ".join(parts)

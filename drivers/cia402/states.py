@@ -124,4 +124,7 @@ def describe_status(status: int) -> str:
     """Return a status word in words."""
     state = decode_state(status)
     name = "no state of CiA 402" if state is None else _NAMES[state]
-    return f"status word 0x{status:04X} ({name})"
+    said = f"status word 0x{status:04X} ({name})"
+    if status & VOLTAGE_ENABLED or state is None or state in FAULTY:
+        return said
+    return f"{said}, its motor has no voltage: safe torque off is open, or its supply is off"

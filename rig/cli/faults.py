@@ -178,6 +178,7 @@ def run(
     from rig.faults.progress import CampaignProgress
     from rig.faults.quiet import draw_quiet
     from rig.faults.table import make_rows
+    from rig.faults.uncounted import say_uncounted
 
     if sum((full, count is not None and only is None)) > 1:
         raise click.UsageError("--full and --random say two things about how many cases there are")
@@ -215,6 +216,8 @@ def run(
         from rig.faults.table import HEADER
 
         print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
+    if left := say_uncounted(verdict.case for verdict in verdicts):
+        click.echo(left, err=True)
     click.echo(f"{page}", err=True)
     if any(verdict.hazard or verdict.crashed for verdict in verdicts):
         return 1

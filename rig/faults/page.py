@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rig.faults.table import HEADER, SUM, Row
+from rig.faults.uncounted import say_uncounted
 from rig.faults.verdict import Verdict
 from rig.report.markup import NOTHING, Html, element, page, section, table
 from rig.whole_file import write_whole
@@ -13,7 +14,9 @@ def write_page(path: Path, title: str, rows: Sequence[Row], verdicts: Sequence[V
     """Write the page; it needs no network and runs nothing."""
     failed = [verdict for verdict in verdicts if verdict.failed]
     verdict = f"{len(failed)} of {len(verdicts)} cases went wrong" if failed else "nothing is wrong"
-    header = element("header", element("h1", title), element("p", f"{verdict}."))
+    left = say_uncounted(verdict.case for verdict in verdicts)
+    notes = [element("p", f"{note}.") for note in (verdict, left) if note]
+    header = element("header", element("h1", title), *notes)
     write_whole(path, page(title, header, _table(rows), _failures(failed), width="90rem"))
 
 

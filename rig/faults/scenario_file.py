@@ -254,7 +254,8 @@ def _break(asked: Scenario | Next, subject: Subject, at: tuple[str, ...]) -> Bre
     if row.magnitude is not None:
         if magnitude is None:
             raise _Unfit((*at, "fault"), f"{kind} needs a magnitude, {row.magnitude}")
-        if not row.magnitude.low <= abs(magnitude) <= row.magnitude.high:
+        size = abs(magnitude) if row.magnitude.signed else magnitude
+        if not row.magnitude.low <= size <= row.magnitude.high:
             why = f"{kind}: magnitude {magnitude:g} is outside {row.magnitude}"
             raise _Unfit((*at, "magnitude"), why)
     if not where and len(places) > 1:

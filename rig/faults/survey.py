@@ -80,7 +80,8 @@ def _beside(asked: Path) -> tuple[str, ...]:
     for path in sorted(asked.parent.glob("*.yaml")):
         own = None
         with contextlib.suppress(ConfigurationError):  # one that is no YAML is nobody's
-            own = rig_of(path)
+            is_scenario = plain_under("fault", path, "experiments") is not None
+            own = None if is_scenario else rig_of(path)
         if own is not None and is_path(own) and Path(own).resolve() == asked.resolve():
             found.append(str(path))
     return tuple(found)

@@ -22,5 +22,5 @@ KINDS = (
     of_device("valve_offset", "The middle of a spool is off.", either, 1.0,
               magnitude=Magnitudes(2e-3, 0.1, "1", signed=True), why=_MADE_UP),
     of_device("valve_leak", "A spool leaks from the supply where it is shut.", either, 1.0,
-              magnitude=Magnitudes(1e-12, 1e-9, "m3/(s Pa)"), why=_MADE_UP),
+              magnitude=Magnitudes(1e-12, 1e-9, "m^3/(s Pa)"), why=_MADE_UP),
 )  # fmt: skip

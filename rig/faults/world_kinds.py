@@ -244,12 +244,12 @@ PNEUMATIC = (
         words=("monitor",),
         why="with regulators the loop closes over the rods, and a pressure may rest")),
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
-               magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
+               magnitude=Magnitudes(1e-11, 1e-8, "m^3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
     until_moved(of_device(
         "leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8),
         filling=3.5,  # chambers fill and it approaches, before anything moves far enough
-        magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
+        magnitude=Magnitudes(1e-8, 5e-8, "m^3/(s Pa)"),
         why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
         "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
         "one empties the chamber before its opponents can be; a monitor at the other end of "

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from shutil import copy
 
@@ -10,6 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 from rig.cli.faults import faults
+from rig.faults.catalogue import KINDS
+from rig.faults.kind import Magnitudes
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -150,8 +153,11 @@ def test_a_stop_in_quiet_hours_is_a_false_trip(tmp_path, slow_to_notice, at):
     assert len(list((tmp_path / "out" / "seed-0").iterdir())) == len(runs)
 
 
-def test_what_the_simulation_refuses_is_no_fault_and_no_pass(tmp_path):
+def test_what_the_simulation_refuses_is_no_fault_and_no_pass(tmp_path, monkeypatch):
     """It never broke: a program that stops for it has not seen anything."""
+    signed = Magnitudes(1.2, 6.0, "1", signed=True)  # a file with this size is refused otherwise
+    slow = replace(KINDS["regulator_slow"], magnitude=signed)
+    monkeypatch.setitem(KINDS, "regulator_slow", slow)
     file = tmp_path / "case.yaml"
     file.write_text(
         CASE.replace("fault: wire_cut", "fault: regulator_slow\nmagnitude: -3").replace(
@@ -170,6 +176,28 @@ def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
     result = run("run", "cylinder", "--only", "nothing", "--out", tmp_path)
     assert result.return_value == 1
     assert campaign(tmp_path, 0)["cases"][0]["crashed"]
+
+
+def test_what_nothing_could_keep_off_is_said_not_to_be_counted(tmp_path):
+    told = run("run", "cylinder", "--only", "wire_cut", "--out", tmp_path)
+    assert told.return_value == 0, told.output
+    note = "not counted: what nothing could keep off after wire_cut. Where a wire or tube lets go"
+    assert note in told.stderr
+    assert note in (tmp_path / "seed-0" / "campaign.html").read_text()
+    quiet_one = run("run", "cylinder", "--only", "encoder_alarm", "--out", tmp_path)
+    assert "not counted" not in quiet_one.output
+
+
+def test_a_scenario_beside_a_profile_is_no_experiment_of_it(tmp_path):
+    (tmp_path / "mine.yaml").write_text("extends: cylinder\nname: mine\n")
+    before = run("list", tmp_path / "mine.yaml")
+    (tmp_path / "tube.yaml").write_text(
+        "rig: ./mine.yaml\nexperiment: cylinder-sine\nfault: leak\nwhere: plant agonist\n"
+        "magnitude: 2e-8 m^3/(s Pa)\n"
+    )
+    after = run("list", tmp_path / "mine.yaml")
+    assert before.return_value == after.return_value == 0, after.output
+    assert before.output == after.output
 
 
 def test_the_page_shows_what_went_wrong_and_runs_nothing(hazardous):

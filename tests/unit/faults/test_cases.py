@@ -238,6 +238,30 @@ def test_a_file_that_cannot_be_done_is_refused(tmp_path, wrong, right, said):
         scenario(tmp_path, SCENARIO.replace(wrong, right))
 
 
+def leak(tmp_path, written):
+    """Return the case of a leak whose size is written so."""
+    path = tmp_path / "case.yaml"
+    where = "where: plant antagonist"
+    text = SCENARIO.replace("wire_cut", "leak")
+    path.write_text(text.replace(where, f"{where}\nmagnitude: {written}"))
+    knows = dict(SUBJECT.knows)
+    leaky = replace(SUBJECT, knows={**knows, "plant": (*knows["plant"], "antagonist.leak")})
+    return case_of(load_scenario(path), leaky, str(path))
+
+
+@pytest.mark.parametrize(
+    "written", ["2e-8 m^3/(s Pa)", "2e-8", "2.0E-08 m^3/(Pa s)", "20e-9 m^3/s/Pa"]
+)
+def test_a_magnitude_may_be_written_as_the_list_of_faults_prints_its_unit(tmp_path, written):
+    assert leak(tmp_path, written).first.magnitude == pytest.approx(2e-8)
+
+
+@pytest.mark.parametrize("written", ["-2e-8", "-2e-8 m^3/(s Pa)", "2e-8 m^3/(s Pa) more", "3 kPa"])
+def test_a_magnitude_of_another_sign_or_unit_is_refused_where_it_stands(tmp_path, written):
+    with pytest.raises(ConfigurationError, match=r"case\.yaml:6:12: leak: magnitude"):
+        leak(tmp_path, written)
+
+
 def test_what_a_plant_of_others_can_suffer_is_offered_and_repeated_with_its_folder():
     foreign = replace(
         SUBJECT, knows={"plant": ("jammed", "repair"), "can0": ("bus_off",)}, configs="my configs"

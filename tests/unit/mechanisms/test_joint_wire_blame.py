@@ -357,3 +357,32 @@ def test_far_from_upright_what_is_off_tells_which_rod_let_go(cut):
     leans = rods_at(0.9, 0.5 * math.pi * cut + 0.8)
     said = watch.explain_run(off(leans, cut + 1, 6e-3), (200e3,) * 4, other)
     assert said.startswith(f"the wire of ch{cut + 1} is slack or cut")
+
+
+# Before it has lasted -------------------------------------------------------------------------
+
+
+def suspected(rods, residual, pressures=(BASE,) * 4):
+    """Return what is suspected of rods, the bound of whose residual is given, m."""
+    bench = WireBench(grace=math.inf, residual=residual, least_pull=55e3)
+    bench.check(TILTED)
+    return bench.watch.suspicion(rods, rods, pressures)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+@pytest.mark.parametrize("way", [2e-3, -2e-3])
+def test_one_rod_that_does_not_agree_is_suspected_from_half_of_the_bound_on(number, way):
+    rods = off(TILTED, number, way)
+    found = residual_of(rods)
+    said = suspected(rods, 1.99 * found)
+    assert said is not None and f"ch{number}" in said
+    assert suspected(rods, 2.01 * found) is None
+    assert WireBench().watch.suspicion(rods, rods, (BASE,) * 4) is None, "nothing was checked yet"
+
+
+def test_whose_chamber_cannot_pull_is_not_suspected_and_two_are_none():
+    rods = off(FAR, 4, 2e-3)
+    for pressure, told in ((55e3, True), (54.9e3, False)):
+        said = suspected(rods, 1e-6, (BASE, BASE, BASE, pressure))
+        assert (said is not None) is told
+    assert suspected(off(off(TILTED, 1, -3e-3), 2, 3e-3), 1e-6) is None
