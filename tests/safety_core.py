@@ -57,12 +57,12 @@ SAFETY_CORE = {
     "rig/mechanisms/pneumatic/alarms/tracking.py": (
         "mechanisms/test_pneumatic_straying.py",
         "mechanisms/test_pneumatic_tracking_alarm.py",
-        "mechanisms/test_pneumatic_runs.py",
+        "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),
     "rig/mechanisms/pneumatic/alarms/balance.py": (
         "mechanisms/test_pneumatic_pull_balance.py",
-        "mechanisms/test_pneumatic_runs.py",
+        "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),
     "rig/mechanisms/pneumatic/devices.py": (
@@ -73,7 +73,7 @@ SAFETY_CORE = {
         "mechanisms/test_cylinder_causes.py",
         "mechanisms/test_cylinder_limits.py",
         "mechanisms/test_cylinder_watch.py",
-        "mechanisms/test_pneumatic_runs.py",
+        "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/cylinder/mechanism.py": (
         "mechanisms/test_cylinder_commands.py",

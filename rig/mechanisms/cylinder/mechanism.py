@@ -111,7 +111,9 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._force_hits = 0
         self._extensions = (settings.home, settings.home)
         self._position = self._now = 0.0
-        self._tracking = TrackingWatch(("the pair",), limits.following, settings.alarms.oscillation)
+        self._tracking = TrackingWatch(
+            ("the pair",), limits.following, settings.alarms.oscillation, settings.start
+        )
         self._watch = PairWatch(
             self.settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )

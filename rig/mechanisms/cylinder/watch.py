@@ -137,8 +137,6 @@ class PairWatch:
         self._balance.note(now, rods, (agonist, antagonist))
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
-        if (cause := self._balance.explain_run()) is not None:
-            raise SafetyError(f"{self._explain_run() or cause} [the pair runs]")
 
     def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""

@@ -23,7 +23,9 @@ class RodsFollow:
         limits = settings.limits
         rods = [f"the rod of {name}" for name in CHANNELS]
         self._sway = settings.sway
-        self._tracking = TrackingWatch(rods, limits.following, settings.alarms.oscillation)
+        self._tracking = TrackingWatch(
+            rods, limits.following, settings.alarms.oscillation, settings.start
+        )
         self._unpushed = UnpushedWatch(min(limits.following, self._sway))
         self.suspicion = self._tracking.suspicion
 

@@ -9,6 +9,7 @@ from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 from rig.hal.rising import Rising
 from rig.hal.rules import Rules
+from rig.mechanisms.pneumatic.alarms.tracking import START
 from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
@@ -196,6 +197,15 @@ class PneumaticSettings:
     def feeder(self) -> str:
         """What feeds a chamber, in words."""
         return "regulator" if self.valves is None else "valve"
+
+    @property
+    def start(self) -> float:
+        """How far a rod may go within 10 ms while it should stand, m.
+
+        With valves the sensors sit at the chambers: what leaks shows there, and what moves with it
+        unseen was pushed. Vented, a pair that is pushed flies; held, it is brought back.
+        """
+        return START if self.valves is None else math.inf
 
     @property
     def full_scale(self) -> float:

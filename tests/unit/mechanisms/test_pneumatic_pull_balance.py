@@ -281,40 +281,6 @@ def test_pairs_that_lack_pull_at_about_the_same_time_are_named_together(later, t
     assert "ch3" in said
 
 
-def runs(places, period=2.0**-10):
-    """Return what is said of a pair that runs, with equal pressures, m."""
-    watch = balance()
-    for k, place in enumerate(places):
-        watch.note(k * period, (place, 0.0, -place, 0.0), (50e3,) * 4)
-    return watch.explain_run()
-
-
-def test_what_runs_is_faster_than_a_tenth_of_a_metre_a_second_now_and_over_ten_milliseconds():
-    period = 2.0**-10  # of which eleven are the first that take 10 ms
-    edge = 0.1 * (11 * period)
-    stood = [0.0] * 30
-    quick = [edge * k / 10 for k in range(1, 11)]
-    assert runs([*stood, *quick, math.nextafter(edge + 0.1 * period, 1.0)]) is not None
-    assert runs([*stood, *[edge * k / 11 for k in range(1, 11)], edge]) is None
-    assert runs([*stood, *quick, quick[-1]]) is None, "it has come to rest"
-    assert runs([*stood, *quick, quick[-1] + 0.099 * period]) is None, "or has nearly"
-    assert runs([*stood, 0.3e-3, 0.6e-3]) is None, "it has just begun"
-    assert runs([]) is None and runs([1e-3]) is None
-    assert runs([edge * (k / 8 - 1.0) for k in range(24)]) is not None, "through the middle"
-    assert runs([0.15 * period * k for k in range(10)]) is None, "for nine milliseconds only"
-    assert runs([0.2 * 1.25e-3 * k for k in range(9)], 1.25e-3) is not None, "for just ten"
-    ramp = [edge * (k / 8 - 2.0) for k in range(17)]
-    assert runs([*ramp, math.nextafter(0.1 * period, 1.0)]) is not None
-    assert runs([*ramp, 0.1 * period]) is None, "it runs no faster than that now"
-
-
-@pytest.mark.parametrize(("cycles", "seen"), [(3, False), (4, True)])
-def test_of_four_cycles_at_least_a_run_is_told(cycles, seen):
-    period = 2.0**-8 if seen else 2.0**-7  # 20 ms have six of them, and three
-    assert (runs([0.15 * period * k for k in range(9)], period) is not None) is seen
-    assert (runs([0.15 * 2.0**-8 * k for k in range(cycles)], 2.0**-8) is not None) is seen
-
-
 def test_only_what_sticks_is_asked_after_if_so_wanted():
     watch = balance()
     for k in range(21):

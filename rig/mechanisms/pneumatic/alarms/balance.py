@@ -35,10 +35,6 @@ _STEP: Final = 20e-6
 """Ways shorter than this (m) are added up: encoder noise is no motion …"""
 _PASSED: Final = 256
 """… and so many of them are remembered."""
-_RUN_TIME, _RUN_SPEED = 0.01, 0.1
-"""A pair runs that was faster than this (m/s) over this time (s): no healthy loop moves one so."""
-_ENOUGH: Final = 4
-"""Of so many cycles at least forces are balanced: a loop that is held up has seen too little."""
 _SURE: Final = 0.7
 """So much of the Coulomb friction is missing at least: less may be friction other than told."""
 
@@ -222,26 +218,6 @@ class PullBalance:
             f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
             "the pressures"
         )
-
-    def explain_run(self, pair: int = 0) -> str | None:
-        """Return why a pair runs that its pressures do not drive; None: it does not, or they do.
-
-        Parameters
-        ----------
-        pair : int
-            Its number.
-        """
-        if len(self._history) < _ENOUGH:
-            return None
-        one, other = self._pairs[pair]
-        (then, were, _), (now, rods, _) = self._history[-2], self._history[-1]
-        way = 0.5 * (rods[one] - rods[other] - were[one] + were[other])
-        if abs(way) <= _RUN_SPEED * (now - then):  # as nearly always
-            return None
-        late = self._instants(self._pairs[pair])
-        start = next((instant for instant in late[::-1] if now - instant.t >= _RUN_TIME), late[-1])
-        ran = abs(late[-1].place - start.place) > _RUN_SPEED * (now - start.t)
-        return self.explain() if ran and len(late) >= _ENOUGH else None
 
     def explain_off(self, off: float, pair: int = 0) -> str | None:
         """Return why a pair stays off its reference though its pressures pull it back.

@@ -24,7 +24,7 @@ _TURN = 0.5
 """The reference turns round if it comes back by this share of the amplitude that counts."""
 _RAN = 0.01
 """Over this time, s, what should stand still is watched for a start …"""
-_START = 0.5e-3
+START = 0.5e-3
 """… of so much, m: 100 times what healthy ones move then. Pressures can still be vented in time."""
 _ONE_STEP = 0.6
 """What runs goes no more than this share of that way from one cycle to the next."""
@@ -163,10 +163,18 @@ class TrackingWatch:
         How far each may be off, m.
     alarm : OscillationAlarm
         For how long, and what is an oscillation.
+    start : float
+        How far each may go within 10 ms while nothing is controlled, m.
     """
 
-    def __init__(self, names: Sequence[str], following: float, alarm: OscillationAlarm) -> None:
-        self._names = tuple(names)
+    def __init__(
+        self,
+        names: Sequence[str],
+        following: float,
+        alarm: OscillationAlarm,
+        start: float = START,
+    ) -> None:
+        self._names, self._start = tuple(names), start
         self._following = following
         self._alarm = alarm
         self.restart()
@@ -300,9 +308,9 @@ class TrackingWatch:
             off, way = measured[k] - wanted[k], measured[k] - before[k]
             if not -following <= off <= following:
                 raise Shifted.by(k, f"way of {name} while nothing controls it", off, following)
-            if not -_START <= way <= _START and not self._jumped(k, way):
+            if not -self._start <= way <= self._start and not self._jumped(k, way):
                 what = f"way of {name} in {_RAN * 1e3:g} ms while nothing controls it"
-                raise Shifted.by(k, what, way, _START, ran=True)
+                raise Shifted.by(k, what, way, self._start, ran=True)
 
     def _jumped(self, rod: int, way: float) -> bool:
         """Return whether most of a way was one reading's: an encoder's, that has its own alarm."""
