@@ -14,6 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+cv2.setNumThreads(1)  # a second core helps little, and a pool of threads does not survive a fork
+
 Image = NDArray[np.uint8]
 
 _RIM: Final = 3

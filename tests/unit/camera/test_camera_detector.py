@@ -1,7 +1,9 @@
 """The detector on rendered frames: precision, tracking, and what it says when it cannot see."""
 
 import math
+import multiprocessing
 
+import cv2
 import numpy as np
 import pytest
 from camera_scenes import (
@@ -399,6 +401,20 @@ def test_largest_blob_wins_and_a_cut_one_is_marked():
 )
 def test_sightings_survive_the_way_between_processes(sighting):
     assert decode_sighting(encode_sighting(sighting)) == sighting
+
+
+def test_a_blob_is_found_in_a_copy_of_the_process():
+    """A campaign copies a run, and a pool of OpenCV's threads would not come along."""
+    disc = np.zeros((400, 600), np.uint8)
+    disc[100:160, 200:260] = 255
+    context = multiprocessing.get_context("fork")
+    for _ in range(5):
+        assert find_largest_blob(disc, 128) is not None
+        copy = context.Process(target=find_largest_blob, args=(disc, 128), daemon=True)
+        copy.start()
+        copy.join(20.0)
+        assert copy.exitcode == 0
+    assert cv2.getNumThreads() == 1
 
 
 def test_mutilated_sightings_are_refused():
