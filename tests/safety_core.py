@@ -62,6 +62,7 @@ SAFETY_CORE = {
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),
     "rig/mechanisms/pneumatic/alarms/balance.py": (
         "mechanisms/test_pneumatic_pull_balance.py",
+        "mechanisms/test_pneumatic_pulled_back.py",
         "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),

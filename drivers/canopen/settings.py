@@ -70,6 +70,6 @@ class CanBusSettings(CanInterfaceSettings):
             raise ConfigurationError(
                 f"buses.{name}.heartbeat_timeout ({self.heartbeat_timeout:g} s) is less than what "
                 f"lies between two heartbeats of the master, {between:g} s in cycles of "
-                f"{period:g} s, and one late cycle; one late cycle would stop the rig; give "
+                f"{period:g} s, and a cycle more; one late cycle would stop the rig; give "
                 f"{least:g} s at least, or a higher loop.rate"
             )
