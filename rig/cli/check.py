@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,6 +63,7 @@ def check(
     """
     from rig.assembly import check_channels
     from rig.assembly.simulated import check_plant_faults
+    from rig.cli.check_hardware import refusals_of, refusals_of_plan, say_untried
     from rig.cli.check_warnings import warnings_of
     from rig.cli.description import (
         describe_experiment,
@@ -71,6 +73,7 @@ def check(
         profile_tables,
     )
     from rig.cli.loops import advice, describe_loop
+    from rig.experiment.frozen import longest_freeze
 
     profile, plan = load(source, with_seed(overrides, seed), configs, rig_name)
     if values is not None:
@@ -89,25 +92,31 @@ def check(
     check_channels(profile)
     check_plant_faults(profile)
     described = describe_profile(profile)
+    refused = list(refusals_of(profile))
     if plan is None:
         content: dict[str, object] = {"profile": described}
         tables = profile_tables(described)
     else:
         experiment = describe_experiment(plan)
         experiment["loop"] = describe_loop(plan)
-        experiment["frozen"] = describe_frozen(plan)
+        bound = longest_freeze(plan, partial(click.echo, err=True))
+        experiment["frozen"] = describe_frozen(plan, bound)
+        refused += refusals_of_plan(plan, bound)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
     warnings = warnings_of(profile, configs)
     if as_json:
-        print_json({**content, "warnings": warnings})
+        print_json({**content, "warnings": warnings, "refused_on_hardware": refused})
     else:
         print_tables(tables)
         for warning in warnings:
             click.echo(f"warning: {warning}", err=True)
-        if plan is not None and (sentence := advice(plan)) is not None:
-            click.echo(sentence, err=True)
+        told = say_untried(profile) if plan is None else advice(plan)
+        if told is not None and not any(told in sentence for sentence in refused):
+            click.echo(told, err=True)
         click.echo(f"{source}: valid", err=True)
+        for sentence in refused:
+            click.echo(f"hardware would refuse it: {sentence}", err=True)
     return 0
 
 

@@ -6,8 +6,6 @@ import dataclasses
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
-import click
-
 from rig.cli.loops import loop_table
 from rig.cli.tables import Table
 from rig.config.calibration import HARDWARE
@@ -16,8 +14,9 @@ from rig.hal.formats import format_against, format_quantity
 
 if TYPE_CHECKING:
     from rig.config import DeviceEntry, Profile
+    from rig.experiment.frozen import NoBound
     from rig.experiment.plan import Plan
-    from rig.hal import BusLoad, BusSettings, DriverSettings
+    from rig.hal import BusLoad, BusSettings, DriverSettings, Freeze
 
 
 def describe_profile(profile: Profile) -> dict[str, Any]:
@@ -189,21 +188,25 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     }
 
 
-def describe_frozen(plan: Plan) -> dict[str, Any]:
-    """Return for how long setpoints may stay as they are, and for how long they would, in SI."""
-    from rig.experiment.frozen import NoBound, longest_freeze, slowest_device
+def describe_frozen(plan: Plan, bound: Freeze | NoBound) -> dict[str, Any]:
+    """Return for how long setpoints may stay as they are, and for how long they would, in SI.
+
+    Parameters
+    ----------
+    plan : Plan
+        Checked.
+    bound : Freeze or NoBound
+        What `longest_freeze` has found of it.
+    """
+    from rig.experiment.frozen import NoBound, slowest_device
     from rig.hal import Freeze
 
-    bound, slowest = longest_freeze(plan, _say), slowest_device(plan.profile)
+    slowest = slowest_device(plan.profile)
     return {
         "unknown": bound.why if isinstance(bound, NoBound) else None,
         **(dict.fromkeys(Freeze._fields) if isinstance(bound, NoBound) else bound._asdict()),
         "device": None if slowest is None else slowest._asdict(),
     }
-
-
-def _say(sentence: str) -> None:
-    click.echo(sentence, err=True)
 
 
 def _frozen_table(frozen: dict[str, Any]) -> Table:

@@ -73,8 +73,19 @@ def slowest_device(profile: Profile) -> Slowest | None:
     return max(found, key=lambda one: one.after, default=None)
 
 
-def refuse_slow_devices(plan: Plan, say: Callable[[str], None]) -> None:
+def refuse_slow_devices(
+    plan: Plan, say: Callable[[str], None], bound: Freeze | NoBound | None = None
+) -> None:
     """Refuse hardware that the motion would throw out of its limits if the program died.
+
+    Parameters
+    ----------
+    plan : Plan
+        Checked.
+    say : callable
+        Is told what is not known.
+    bound : Freeze or NoBound, optional
+        What `longest_freeze` has found of the plan; default: it is looked for.
 
     Raises
     ------
@@ -83,7 +94,7 @@ def refuse_slow_devices(plan: Plan, say: Callable[[str], None]) -> None:
     """
     if not plan.motion.has_torque:
         return
-    slowest, bound = slowest_device(plan.profile), longest_freeze(plan, say)
+    slowest, bound = slowest_device(plan.profile), bound or longest_freeze(plan, say)
     if isinstance(bound, NoBound):
         say(f"what frozen setpoints do is not known: {bound.why}")
     elif slowest is None:

@@ -29,6 +29,7 @@ def check(
     """
     from rig.assembly import check_channels
     from rig.cli.check import load
+    from rig.cli.check_hardware import refusals_of, refusals_of_plan
     from rig.cli.check_warnings import warnings_of
     from rig.cli.description import (
         describe_experiment,
@@ -36,17 +37,24 @@ def check(
         describe_profile,
     )
     from rig.cli.loops import describe_loop
+    from rig.experiment.frozen import longest_freeze
 
     folder = None if configs is None else Path(configs)
     profile, plan = load(str(source), as_options(set), folder)
     check_channels(profile)
     described = dict(describe_profile(profile))
-    warnings = warnings_of(profile, folder)
+    warnings, refused = warnings_of(profile, folder), list(refusals_of(profile))
     if plan is None:
-        return {**described, "warnings": warnings}
+        return {**described, "warnings": warnings, "refused_on_hardware": refused}
+    bound = longest_freeze(plan)
     experiment = {
         **describe_experiment(plan),
         "loop": describe_loop(plan),
-        "frozen": describe_frozen(plan),
+        "frozen": describe_frozen(plan, bound),
     }
-    return {"experiment": experiment, "profile": described, "warnings": warnings}
+    return {
+        "experiment": experiment,
+        "profile": described,
+        "warnings": warnings,
+        "refused_on_hardware": [*refused, *refusals_of_plan(plan, bound)],
+    }
