@@ -52,6 +52,9 @@ def main(arguments: list[str] | None = None) -> None:
     code = invoke(arguments)
     with contextlib.suppress(BrokenPipeError):
         sys.stdout.flush()
+    # Python looks for garbage as it ends: among all that was imported, that takes longer than to
+    # end without.
+    gc.freeze()
     sys.exit(code or (_UNWRITTEN if output.is_lost else 0))
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rig.experiment.measure import Measure, Samples
-from rig.experiment.metrics import MetricRequest, check_value, windows_of
+from rig.experiment.metrics import MetricRequest, check_value
+from rig.experiment.windows import windows_of
 from rig.hal import Column, ConfigurationError, ContractBroken
 from rig.hal.fits import where
 from rig.hal.motion import Segment
@@ -55,7 +56,7 @@ def try_measures(
         if known not in measures:
             continue
         measure = measures[known]
-        windows = windows_of(samples, name, spec, segments)
+        windows = windows_of(samples, name, spec.segments, segments)
         try:
             with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
                 value = measure.compute(windows)

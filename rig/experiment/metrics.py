@@ -3,13 +3,11 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypedDict
 
-import numpy as np
-
 from rig.assembly import REGISTRY
-from rig.experiment.measure import Measure, NoSuchMotion, NoTruth, Samples, Window
+from rig.experiment.measure import Measure, NoSuchMotion, NoTruth, Samples
+from rig.experiment.windows import MetricError, windows_of
 from rig.hal import ContractBroken, RigError
 from rig.hal.fits import is_number, is_ours, shown, where
 from rig.hal.motion import Fact, Note, Segment
@@ -62,10 +60,6 @@ class Evaluation(TypedDict, total=False):
     remarks: list[RemarkEntry]
     segments: list[SegmentEntry]
     metrics: dict[str, SpecEntry]
-
-
-class MetricError(RigError):
-    """A metric cannot be computed from this log."""
 
 
 class MetricRequest(Protocol):
@@ -196,39 +190,65 @@ def evaluate(
     """
     samples = Samples(log, constants or {})
     known = {**known_measures(mechanism), **(measures or {})}
-    metrics: list[Metric] = []
-    for name, spec in specs.items():
-        measure_name = spec.measure or name
-        fact = (facts or {}).get(measure_name)
-        if fact is not None:
-            metrics += _bounded(name, spec, measure_name, fact.value, fact.unit)
-            continue
-        measure = known.get(measure_name)
-        if measure is None:
-            raise MetricError(
-                f"metric {name}: no measure is called {measure_name!r}; there are "
-                + ", ".join(known)
-            )
-        windows = windows_of(samples, name, spec, segments)
-        try:
-            value = measure.compute(windows)
-        except NoTruth:
-            metrics += _bounded(name, spec, measure_name, math.nan, measure.unit, is_seen=False)
-            continue
-        except (ValueError, LogError) as error:
-            if isinstance(error, NoSuchMotion) and spec.max is None and spec.min is None:
-                continue
-            raise MetricError(f"metric {name}: {error}") from error
-        except RigError:
+    return [
+        metric
+        for name, spec in specs.items()
+        for metric in evaluate_one(name, spec, samples, segments, known, facts or {})
+    ]
+
+
+def evaluate_one(
+    name: str,
+    spec: MetricRequest,
+    samples: Samples,
+    segments: Sequence[Segment],
+    known: Mapping[str, Measure],
+    facts: Mapping[str, Fact],
+) -> list[Metric]:
+    """Compute one of an experiment's metrics; see `evaluate`.
+
+    Parameters
+    ----------
+    name : str
+        The metric's.
+    spec : MetricRequest
+        What is asked of it.
+    samples : Samples
+        Of the log.
+    segments : sequence of Segment
+        Those of the experiment's reference.
+    known : mapping of str to Measure
+        Every measure.
+    facts : mapping of str to Fact
+        What the motion's plan says of it.
+    """
+    measure_name = spec.measure or name
+    fact = facts.get(measure_name)
+    if fact is not None:
+        return _bounded(name, spec, measure_name, fact.value, fact.unit)
+    measure = known.get(measure_name)
+    if measure is None:
+        raise MetricError(
+            f"metric {name}: no measure is called {measure_name!r}; there are " + ", ".join(known)
+        )
+    windows = windows_of(samples, name, spec.segments, segments)
+    try:
+        value = measure.compute(windows)
+    except NoTruth:
+        return _bounded(name, spec, measure_name, math.nan, measure.unit, is_seen=False)
+    except (ValueError, LogError) as error:
+        if isinstance(error, NoSuchMotion) and spec.max is None and spec.min is None:
+            return []
+        raise MetricError(f"metric {name}: {error}") from error
+    except RigError:
+        raise
+    except (Exception, SystemExit) as error:  # nobody's measure ends the program
+        if is_ours(measure.compute):
             raise
-        except (Exception, SystemExit) as error:  # nobody's measure ends the program
-            if is_ours(measure.compute):
-                raise
-            what = f"metric {name}: the measure {measure_name} ({where(measure.compute)})"
-            raise ContractBroken(f"{what}: {type(error).__name__}: {error}") from error
-        check_value(name, measure_name, measure, value)
-        metrics += _bounded(name, spec, measure_name, value, measure.unit)
-    return metrics
+        what = f"metric {name}: the measure {measure_name} ({where(measure.compute)})"
+        raise ContractBroken(f"{what}: {type(error).__name__}: {error}") from error
+    check_value(name, measure_name, measure, value)
+    return _bounded(name, spec, measure_name, value, measure.unit)
 
 
 def check_value(metric: str, name: str, measure: Measure, value: object) -> None:
@@ -242,25 +262,6 @@ def check_value(metric: str, name: str, measure: Measure, value: object) -> None
     if not is_number(value):
         what = f"metric {metric}: the measure {name} ({where(measure.compute)})"
         raise ContractBroken(f"{what} returned {shown(value)}, and no number")
-
-
-def windows_of(
-    samples: Samples, metric: str, spec: MetricRequest, segments: Sequence[Segment]
-) -> list[Window]:
-    """Return the windows of a metric, one for each segment that it is taken over.
-
-    Raises
-    ------
-    MetricError
-        There is no such segment, or the log does not hold it to its end.
-    """
-    chosen = [segment for segment in segments if fnmatchcase(segment.name, spec.segments)]
-    if not chosen:
-        raise MetricError(
-            f"metric {metric}: no segment matches {spec.segments!r}; there are "
-            + (", ".join(repr(segment.name) for segment in segments) or "none")
-        )
-    return [_window(samples, metric, segment) for segment in chosen]
 
 
 def _bounded(
@@ -369,18 +370,3 @@ def evaluation_from_json(
 def all_passed(metrics: Iterable[Metric]) -> bool:
     """Return whether no metric missed its bound."""
     return all(metric.passed is not False for metric in metrics)
-
-
-def _window(samples: Samples, metric: str, segment: Segment) -> Window:
-    """Cut a segment out; MetricError if the log does not hold it to its end."""
-    t = samples.t
-    first, last = np.searchsorted(t, [segment.start, segment.end])
-    # The last sample of a run comes one period before its end; rounding may take another.
-    reached = len(t) > 0 and t[-1] >= segment.end - 2.0 * samples.period
-    if last <= first or not reached:
-        end = f"{t[-1]:.3f} s" if len(t) else "before the reference started"
-        raise MetricError(
-            f"metric {metric}: segment {segment.name!r} lasts from {segment.start:.3f} to "
-            f"{segment.end:.3f} s, but the log ends at {end}"
-        )
-    return Window(segment, samples, slice(int(first), int(last)))

@@ -1,10 +1,11 @@
 """Metrics and timing of a run that has ended, as far as it was recorded."""
 
 from rig.experiment.ending import Ending
-from rig.experiment.metrics import Metric, MetricError, evaluate
+from rig.experiment.metrics import Metric, evaluate
 from rig.experiment.new_folder import write_evaluation
 from rig.experiment.plan import Plan, constants_of
 from rig.experiment.stopwatch import Stopwatch
+from rig.experiment.windows import MetricError
 from rig.hal import ContractBroken, RigError
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder, RunFolderError

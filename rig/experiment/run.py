@@ -39,6 +39,7 @@ from rig.experiment.results import write_results
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import RigError
+from rig.report.ready import ReadyReporter
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.loop import Loop, Outcome
@@ -154,56 +155,57 @@ def run_experiment(
     rig_names = plan.profile.name, plan.profile.argument
     latch = FaultLatch(*rig_names) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
-    with stop:
-        if backend is Backend.HARDWARE and heed_calibrations and not is_permitted:
-            refuse_unfit(plan, watcher.said)
-        if rehearses or not backend.is_simulated:
-            rehearse(plan, watcher)
-        frame_log = None if frames is None else make_frame_log(plan.profile, backend)
-        rig = build_rig(plan.profile, backend, on, frame_log)
-        stop.shield()  # a folder that is half made could not tell how the run ended
-        with contextlib.ExitStack() as stack:
-            stack.callback(rig.close)
-            watcher.built(rig)
-            folder = create_folder(plan, backend, on, out, overrides, frames, command)
-            stack.enter_context(ClosedBooks(folder, stop))
-            stop.expose()
-            if frame_log is not None:
-                frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
-            rig.show_in(folder.path)
-            watcher.started(folder.path)
-            watcher.recording(_Events(folder))
-            for kind, sentences in (("commissioning", notes), ("calibration", doubts)):
-                for sentence in sentences:
+    with ReadyReporter(ahead=report and backend.is_simulated) as reporter:
+        with stop:
+            if backend is Backend.HARDWARE and heed_calibrations and not is_permitted:
+                refuse_unfit(plan, watcher.said)
+            if rehearses or not backend.is_simulated:
+                rehearse(plan, watcher)
+            frame_log = None if frames is None else make_frame_log(plan.profile, backend)
+            rig = build_rig(plan.profile, backend, on, frame_log)
+            stop.shield()  # a folder that is half made could not tell how the run ended
+            with contextlib.ExitStack() as stack:
+                stack.callback(rig.close)
+                watcher.built(rig)
+                folder = create_folder(plan, backend, on, out, overrides, frames, command)
+                stack.enter_context(ClosedBooks(folder, stop))
+                stop.expose()
+                if frame_log is not None:
+                    frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
+                rig.show_in(folder.path)
+                watcher.started(folder.path)
+                watcher.recording(_Events(folder))
+                for kind, sentences in (("commissioning", notes), ("calibration", doubts)):
+                    for sentence in sentences:
+                        watcher.said(sentence)
+                        _Events(folder)(None, kind, sentence, {})
+                stopwatch = Stopwatch(rig.clock)
+                ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
+                stop.shield()  # what is left is bookkeeping; it is not to be torn either
+                latched = None if latch is None else latch.settle(folder.path, ending)
+                if latched is not None:
+                    watcher.said(latched)
+                counts: dict[str, Any] = {"buses": rig.statistics()}
+                if frame_log is not None:
+                    counts["frames"] = frame_log.facts(rig.clock)
+                    _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
+                metrics, unmeasured, ending = write_results(plan, folder, ending, stopwatch)
+                for error in unmeasured:
+                    _Events(folder)(None, "measure", str(error), {})
+                if backend.is_simulated and stopwatch.facts:
+                    watcher.said(str(stopwatch))
+                if ending.status is RunStatus.OK and not all_passed(metrics):
+                    ending = Ending(RunStatus.FAILED, EXIT_MISSED)
+                _close(folder, ending, counts, watcher)
+        if ending.bug is not None and raises:
+            raise ending.bug  # the rig is safe by now, and the traceback is wanted
+        if report and ending.bug is None:
+            if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
+                later = f"draw them with: rig report {folder.path}"
+                watcher.said(f"ended by hand, so no figures are drawn; {later}")
+            else:
+                for sentence in reporter.write(folder.path):
                     watcher.said(sentence)
-                    _Events(folder)(None, kind, sentence, {})
-            stopwatch = Stopwatch(rig.clock)
-            ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
-            stop.shield()  # what is left is bookkeeping; it is not to be torn either
-            latched = None if latch is None else latch.settle(folder.path, ending)
-            if latched is not None:
-                watcher.said(latched)
-            counts: dict[str, Any] = {"buses": rig.statistics()}
-            if frame_log is not None:
-                counts["frames"] = frame_log.facts(rig.clock)
-                _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
-            metrics, unmeasured, ending = write_results(plan, folder, ending, stopwatch)
-            for error in unmeasured:
-                _Events(folder)(None, "measure", str(error), {})
-            if backend.is_simulated and stopwatch.facts:
-                watcher.said(str(stopwatch))
-            if ending.status is RunStatus.OK and not all_passed(metrics):
-                ending = Ending(RunStatus.FAILED, EXIT_MISSED)
-            _close(folder, ending, counts, watcher)
-    if ending.bug is not None and raises:
-        raise ending.bug  # the rig is safe by now, and the traceback is wanted
-    if report and ending.bug is None:
-        if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
-            watcher.said(
-                f"ended by hand, so no figures are drawn; draw them with: rig report {folder.path}"
-            )
-        else:
-            _report(folder.path, watcher)
     return Result(
         folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured),
         ending.bug,
@@ -216,18 +218,6 @@ def _close(folder: RunFolder, ending: Ending, counts: dict[str, Any], watcher: W
         folder.finish(ending.status, ending.code, ending.message, counts)
     except RigError as error:
         watcher.said(f"{error}; this run will be taken for one whose process died")
-
-
-def _report(path: Path, watcher: Watcher) -> None:
-    from rig.report.regenerate import write_report
-
-    try:
-        made = write_report(path)
-    except (RigError, OSError) as error:
-        watcher.said(f"there is no report: {error}; draw it later with: rig report {path}")
-        return
-    for sentence in (*made.failures, *made.notes):
-        watcher.said(sentence)
 
 
 def _keep_frames(

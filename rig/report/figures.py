@@ -4,7 +4,6 @@ import importlib
 import multiprocessing
 import os
 import signal
-import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -15,6 +14,7 @@ from rig.assembly import REGISTRY
 from rig.hal import ConfigurationError
 from rig.hal.fits import where
 from rig.report.column_figure import column_figure, file_of, is_column
+from rig.report.copies import may_copy
 from rig.report.data import RunData, imprint_of, load_run
 from rig.report.figure import FigureKind
 from rig.report.limits_figure import LIMIT_FIGURES
@@ -132,17 +132,17 @@ def _draw(run: RunData, folder: Path, name: str) -> Drawn:
 def _share_out(draw: Callable[[str], Drawn], names: list[str]) -> Iterator[Drawn]:
     """Draw on every processor that this process has, where it can be copied."""
     workers = min(len(names), len(os.sched_getaffinity(0)))
-    may_fork = threading.active_count() == 1 and not multiprocessing.current_process().daemon
-    if workers < 2 or not may_fork:
+    if workers < 2 or not may_copy():
         yield from map(draw, names)
         return
-    _import_once()
+    import_once()
     context = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(workers, context, _begin_copy, (draw,)) as pool:
-        yield from pool.map(_draw_in_copy, names)
+        # The last ones are of any run, on logarithmic axes, and take longest: they begin.
+        yield from reversed(list(pool.map(_draw_in_copy, names[::-1])))
 
 
-def _import_once() -> None:
+def import_once() -> None:
     """Import what draws and writes figures, before copies of this process do so each."""
     for name in ("figure", "backends.backend_agg", "backends.backend_svg", "backends.backend_pdf"):
         importlib.import_module(f"matplotlib.{name}")

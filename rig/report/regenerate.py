@@ -5,16 +5,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from rig.experiment.measure import Samples
 from rig.experiment.metrics import (
     Evaluation,
     Metric,
-    MetricError,
     constants_from_json,
-    evaluate,
+    evaluate_one,
     evaluation_from_json,
     facts_from_json,
     known_measures,
 )
+from rig.experiment.windows import MetricError
 from rig.hal import ContractBroken
 from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
@@ -111,16 +112,18 @@ def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[
     content = folder.read_json(EVALUATION, Evaluation)
     segments, specs = evaluation_from_json(content)
     facts, constants = facts_from_json(content), constants_from_json(content)
-    mechanism = mechanism_of(folder)
-    known = {*known_measures(mechanism), *facts}
+    known, samples = known_measures(mechanism_of(folder)), Samples(log, constants)
     metrics: list[Metric] = []
     problems: list[str] = []
     for name, spec in specs.items():
-        if (spec.measure or name) not in known:  # it came with the run, and so did its value
-            metrics += _as_recorded(folder, spec.measure or name)
+        measure = spec.measure or name
+        if (
+            measure not in known and measure not in facts
+        ):  # it came with the run, and so did its value
+            metrics += _as_recorded(folder, measure)
             continue
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts, mechanism, constants=constants)
+            metrics += evaluate_one(name, spec, samples, segments, known, facts)
         except (MetricError, ContractBroken) as error:
             problems.append(str(error))
     return metrics, problems

@@ -9,12 +9,12 @@ import pytest
 
 from rig.experiment.measure import Measure, local_slope
 from rig.experiment.metrics import (
-    MetricError,
     all_passed,
     evaluate,
     evaluation_as_json,
     evaluation_from_json,
 )
+from rig.experiment.windows import MetricError
 from rig.hal import ContractBroken
 from rig.hal.columns import Column
 from rig.hal.motion import Segment
