@@ -35,6 +35,7 @@ SAFETY_CORE = {
     # What a mechanism watches, and what it lets through.
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
+        "mechanisms/test_pneumatic_vented.py",
         "mechanisms/test_pneumatic_stray_pressures.py",
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
@@ -48,6 +49,7 @@ SAFETY_CORE = {
     ),
     "rig/mechanisms/pneumatic/alarms/frozen.py": ("mechanisms/test_pneumatic_frozen_monitor.py",),
     "rig/mechanisms/pneumatic/alarms/jumped.py": ("mechanisms/test_pneumatic_jumped_monitor.py",),
+    "rig/mechanisms/pneumatic/alarms/vented.py": ("mechanisms/test_pneumatic_vented.py",),
     "rig/mechanisms/servo/stuck.py": ("mechanisms/test_servo_stuck.py",),
     "rig/mechanisms/legs/fall.py": ("mechanisms/test_legs_fall.py",),
     "rig/mechanisms/pneumatic/alarms/dead_time.py": ("mechanisms/test_pneumatic_dead_time.py",),

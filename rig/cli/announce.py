@@ -32,7 +32,7 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
 
     if backend_of(on) is not Backend.HARDWARE:
         return True
-    check_permitted(plan, Backend.HARDWARE)
+    check_permitted(plan, Backend.HARDWARE, on)
     check_fitness(plan.profile)
     plan, said = as_commissioned(plan, Backend.HARDWARE, uncommissioned)
     for sentence in said:

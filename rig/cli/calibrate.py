@@ -356,7 +356,7 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     from rig.hal import ConfigurationError
 
     if backend is Backend.HARDWARE:
-        FaultLatch(profile.name, profile.argument).check()
+        FaultLatch.of(profile).check()
         if moves:
             check_fitness(profile)
         return confirm(profile.name, yes)

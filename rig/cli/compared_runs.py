@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import click
 
+from rig.runtime.stop import ENDING
+
 if TYPE_CHECKING:
     from multiprocessing.queues import SimpleQueue
     from multiprocessing.synchronize import Event
@@ -25,7 +27,6 @@ _PATIENCE: Final = 3.0
 _SETTLED: Final = 0.5
 """All books that are known of have been closed for so long: no run has just begun, s."""
 _LOOK: Final = 0.05
-_INTERRUPTS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Job(NamedTuple):
@@ -146,9 +147,9 @@ def _leave_terminal(master: _Master) -> None:
 
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a copy has its master's
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in set(ENDING) - {signal.SIGINT}:
         signal.signal(number, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPTS)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     _master.append(master)
     parent = parent_process()
     assert parent is not None
@@ -219,7 +220,7 @@ def _all_as_ctrl_c() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are not ours
         return
-    before = {number: signal.signal(number, signal.default_int_handler) for number in _INTERRUPTS}
+    before = {number: signal.signal(number, signal.default_int_handler) for number in ENDING}
     try:
         yield
     finally:
@@ -230,7 +231,7 @@ def _all_as_ctrl_c() -> Iterator[None]:
 @contextmanager
 def _deaf() -> Iterator[None]:
     """Hold back Ctrl-C, which then comes after the block."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _INTERRUPTS)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
         yield
     finally:

@@ -235,12 +235,13 @@ def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
 
 
 def _latch(profile: Profile) -> Milestone:
-    from rig.experiment.fault_latch import FaultLatch
+    from rig.experiment.fault_latch import FaultLatch, FaultLatched
 
-    reason = FaultLatch(profile.name).reason()
-    if reason is None:
-        return Milestone("last fault", "none is latched")
-    return Milestone("last fault", f"latched: {reason}", f"rig reset {profile.argument}")
+    try:
+        FaultLatch.of(profile).check()
+    except FaultLatched as fault:
+        return Milestone("last fault", fault.told, fault.remedy)
+    return Milestone("last fault", "none is latched")
 
 
 def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP during an acceptance test: its step ends, and its rig is made safe."""
+"""What ends a program during an acceptance test ends a step of it, and its rig is made safe."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

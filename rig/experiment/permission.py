@@ -9,8 +9,12 @@ from rig.experiment.plan import Plan
 from rig.hal import DeviceError
 
 
-def check_permitted(plan: Plan, backend: Backend, *, heed_calibrations: bool = True) -> list[str]:
+def check_permitted(
+    plan: Plan, backend: Backend, on: str | None = None, *, heed_calibrations: bool = True
+) -> list[str]:
     """Return what is doubtful in a simulation; on hardware it is refused.
+
+    `on` names other interfaces than the profile's.
 
     Raises
     ------
@@ -18,7 +22,7 @@ def check_permitted(plan: Plan, backend: Backend, *, heed_calibrations: bool = T
         On hardware: a fault is latched, or a calibration does not hold.
     """
     if backend is Backend.HARDWARE:
-        FaultLatch(plan.profile.name, plan.profile.argument).check()
+        FaultLatch.of(plan.profile, on).check()
     doubts: list[str] = []
     if not heed_calibrations:
         return doubts

@@ -147,13 +147,12 @@ def run_experiment(
         On hardware: a calibration does not hold, a fault is latched, or `refuse_unfit` refuses it.
     """
     watcher = watcher or Watcher()
-    doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
+    doubts = check_permitted(plan, backend, on, heed_calibrations=heed_calibrations)
     notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
     if heed_calibrations:
         doubts += [*sentences_of_bases(plan.profile), *sentences_of_records(plan.profile)]
         plan, notes = as_commissioned(plan, backend, uncommissioned)
-    rig_names = plan.profile.name, plan.profile.argument
-    latch = FaultLatch(*rig_names) if backend is Backend.HARDWARE else None
+    latch = FaultLatch.of(plan.profile, on) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with ReadyReporter(ahead=report and backend.is_simulated) as reporter:
         with stop:

@@ -16,7 +16,7 @@ from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
 
-_VENTED = 12e3
+VENTED = 12e3
 """Excess over its safe pressure up to which a chamber counts as vented, Pa: above a monitor's
 offset and noise, and with these no more than 20 kPa, where a piston of 2 cm² pushes with 4 N, less
 than its seals hold back. Whose calibration is another unit's is off by twice a monitor's offset."""
@@ -152,7 +152,7 @@ def _not_vented(
     full = ", ".join(
         f"{channel} {'held' if old else 'still holds'} {pressure / 1e3:.1f} kPa"
         for channel, pressure, most in zip(channels, pressures, safe, strict=True)
-        if old or pressure - most > _VENTED
+        if old or pressure - most > VENTED
     )
     return f"{old}: then {full}" if old else f"{name}: {full}" if full else ""
 

@@ -14,6 +14,7 @@ from rig.hal.freeze import Freeze
 from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
 from rig.hal.quantities import Expected, Margin
+from rig.hal.standing import Standing
 from rig.hal.stop_input import EmergencyStopInput
 from rig.hal.targets import Targets
 
@@ -23,7 +24,7 @@ Reference = TypeVar("Reference")
 Command = TypeVar("Command")
 
 
-class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Command]):
+class Mechanism(Hindsight[Settings], Standing, Protocol[Settings, State, Reference, Command]):
     """The loop's view of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
@@ -309,10 +310,6 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
     def explain(self, error: Exception, state: State) -> Exception:
         """Return a fault with its cause, or as it is; called once, with that cycle's state."""
         return error
-
-    def pose_held(self) -> str | None:
-        """Say how the mechanism is held after a fault, for the operator; None: it is not."""
-        return None
 
     @abstractmethod
     def resting_command(self, state: State) -> Command:

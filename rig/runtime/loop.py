@@ -196,7 +196,8 @@ class Loop(Generic[State, Reference, Command]):
         Returns
         -------
         tuple of str
-            A sentence for each device that is not known to be safe in the end.
+            A sentence for each device that is not known to be safe in the end, and for what the
+            mechanism has seen that a device hides.
         """
         recorded = recording.cycles if recording else SAFE_CYCLES
         waits = min(waits, self.safe_within)
@@ -206,11 +207,12 @@ class Loop(Generic[State, Reference, Command]):
         for cycle in range(1, most + 1):
             refused = self._send_safe()
             now = self.clock.now()
+            doubt = _ask_whether_safe("the mechanism", self.mechanism.unsafe, now)
             if recording and cycle <= recorded:
                 recording(now)
             self.clock.sleep_until(now + self.period)
             if cycle >= least:
-                unsafe = refused + self._unsafe()
+                unsafe = [*refused, *filter(None, [*self._unsafe(), doubt])]
                 if not unsafe:
                     break
         return tuple(unsafe)
@@ -236,16 +238,7 @@ class Loop(Generic[State, Reference, Command]):
 
     def _unsafe(self) -> list[str]:
         now = self.clock.now()
-        found = []
-        for device in self.devices:
-            try:
-                said: object = device.unsafe(now)
-                if not isinstance(said, str):
-                    said = f"{device.name}: unsafe returned {shown(said)}"
-                found.append(said)
-            except Exception as error:
-                found.append(f"{device.name}: not known to be safe: {error!r}")
-        return [sentence for sentence in found if sentence]
+        return [_ask_whether_safe(device.name, device.unsafe, now) for device in self.devices]
 
     def _recording(self, run: "Phases[Any, Any, Any]", recorder: Recorder) -> StopRecording:
         return StopRecording(
@@ -297,6 +290,15 @@ class Loop(Generic[State, Reference, Command]):
                 return
             due = pace.advance(t, clock_now() - start, cycle.busiest)
             self.clock.sleep_until(start + due)
+
+
+def _ask_whether_safe(name: str, unsafe: Callable[[float], object], now: float) -> str:
+    """Return why somebody is not known to be safe; whoever cannot say so is not, either."""
+    try:
+        said = unsafe(now)
+    except Exception as error:
+        return f"{name}: not known to be safe: {error!r}"
+    return said if isinstance(said, str) else f"{name}: unsafe returned {shown(said)}"
 
 
 class _LimitWatch:

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, turned into requests that the cycle reads at a safe point."""
+"""What ends a program (Ctrl-C, SIGTERM …) as requests that the cycle reads at a safe point."""
 
 import signal
 import threading
@@ -10,6 +10,11 @@ from typing import Self
 
 PATIENCE = 1.0
 """A cycle that has not heard a request for so long does not end by itself, s."""
+ENDING = (
+    signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGUSR2,
+    signal.SIGPWR,
+)  # fmt: skip
+"""Signals that somebody sends, or the host whose power fails, and that would end the program."""
 UNHEARD = "in a cycle that did not end"
 
 
@@ -71,7 +76,7 @@ class StopRequests:
     def __enter__(self) -> Self:
         if threading.current_thread() is not threading.main_thread():
             return self
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in ENDING:
             self._previous[number] = signal.signal(number, self._handle)
         return self
 

@@ -85,7 +85,7 @@ def calibrate(
     (chosen,) = pick(profile, (procedure,))
     backend = backend_of(on)
     if backend is Backend.HARDWARE:
-        FaultLatch(profile.name, profile.argument).check()
+        FaultLatch.of(profile, on).check()
         if yes != profile.name:
             raise ConfigurationError(f"nothing was moved: give the rig's name, yes={rig!r}")
     try:

@@ -265,7 +265,7 @@ def test_a_latched_fault_comes_before_everything(configs):
         found, following = stages(configs)
     finally:
         latch.clear()
-    assert found["last fault"].startswith("latched: the tube is off (")
+    assert found["last fault"].startswith("its last fault is latched: the tube is off (")
     assert following == "rig reset cylinder"
 
 

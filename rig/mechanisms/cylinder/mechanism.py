@@ -117,6 +117,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._watch = PairWatch(
             self.settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )
+        self._pressure_watch = self._watch.pressures
 
     @classmethod
     def expected_of(cls, settings: CylinderSettings) -> tuple[Expected, ...]:

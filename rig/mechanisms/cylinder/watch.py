@@ -79,7 +79,7 @@ class PairWatch:
         self._sliding = 0.5 * friction.coulomb
         self._bound = settings.most_disagreement
         self._frozen = alarms.frozen
-        self._pressures = PressureWatch(
+        self.pressures = PressureWatch(
             derive_bounds(alarms.pressure, settings),
             settings.regulator_response,
             CHANNELS,
@@ -110,7 +110,7 @@ class PairWatch:
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints that the regulators get in this cycle, Pa gauge."""
-        self._pressures.send(setpoints)
+        self.pressures.send(setpoints)
 
     def check(self, state: PairState, extensions: Two, now: float) -> None:
         """Raise if something is broken.
@@ -132,7 +132,7 @@ class PairWatch:
             self._still = [(extensions[k], extensions[1 - k], now) for k in range(2)]
         self._check_rods(mismatch, change)
         self._check_frozen(extensions, now)
-        self._pressures.check((agonist, antagonist), now)
+        self.pressures.check((agonist, antagonist), now)
         rods = self._home - extensions[0], self._home - extensions[1]
         self._balance.note(now, rods, (agonist, antagonist))
         self._work.check(rods, (agonist, antagonist), lambda: None)
@@ -147,10 +147,10 @@ class PairWatch:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
             if self._runs(k):
-                cause = self._explain_run() or self._pressures.suspicion()
+                cause = self._explain_run() or self.pressures.suspicion()
                 cause = cause or self._explain_push(k) or self._explain_push(1 - k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
-            cause = self._explain_run() or self._balance.explain() or self._pressures.suspicion()
+            cause = self._explain_run() or self._balance.explain() or self.pressures.suspicion()
             cause = cause or self._explain_place(error)
         elif isinstance(error, PressureOff):
             cause = explain_scatter(self._encoders, self._balance.rods)

@@ -103,6 +103,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             [encoder.name for encoder in encoders],
             None if camera is None else camera.name,
         )
+        self._pressure_watch = self._watch.pressures
         self._tensions_at = TensionDistribution(settings.geometry)
         self._checked = False
         # Bound once: what every cycle asks for.

@@ -56,7 +56,7 @@ class JointWatch:
         self._marker = settings.geometry.marker
         self._encoders = tuple(encoders)
         self._give = settings.area / settings.wire_stiffness
-        self._pressures = PressureWatch(
+        self.pressures = PressureWatch(
             derive_bounds(alarms.pressure, settings),
             settings.regulator_response,
             CHANNELS,
@@ -102,7 +102,7 @@ class JointWatch:
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints that the regulators get in this cycle, Pa gauge."""
-        self._pressures.send(setpoints)
+        self.pressures.send(setpoints)
 
     def axis_of(self, state: JointState) -> Vector:
         """Return the axis that the rods show; the last one known if they fit no pose."""
@@ -123,7 +123,7 @@ class JointWatch:
             raise SafetyError(f"a reading is not a number: {state}")
         self._before, self._last = self._last, rods
         self._step, self._then = now - self._then, now
-        self._pressures.check(pressures, now)
+        self.pressures.check(pressures, now)
         self._balance.note(now, rods, pressures)
         self._wires.follow(rods, now)
         self._check_speed(rods, now)
@@ -168,7 +168,7 @@ class JointWatch:
         cause = self._wires.explain_run(rods, state.pressures, k)
         if cause is None and isinstance(error, LimitExceeded):
             cause = self._balance.explain()
-        cause = cause or self._pressures.suspicion()
+        cause = cause or self.pressures.suspicion()
         if cause is None and isinstance(error, Shifted) and error.ran:
             number, off = _pair_of(error.rod, error.value)
             cause = self._balance.explain_gone(off, number)
@@ -200,7 +200,7 @@ class JointWatch:
         """Return why a rod is not where it should be."""
         rods = self._unstretched(state)
         cause = self._wires.explain_run(rods, state.pressures, error.rod) if error.ran else None
-        cause = cause or self._balance.explain() or self._pressures.suspicion()
+        cause = cause or self._balance.explain() or self.pressures.suspicion()
         if cause is None:
             number, off = _pair_of(error.rod, error.value)
             explain = self._balance.explain_gone if error.ran else self._balance.explain_off

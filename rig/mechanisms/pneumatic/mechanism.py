@@ -16,6 +16,8 @@ from rig.hal import (
 )
 from rig.hal.mechanism import Command, Mechanism, Reference, State
 from rig.hal.quantities import Expected
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.vented import explain_left
 from rig.mechanisms.pneumatic.cut_wire import expect_cut_wire, refuse_weak_stop
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
@@ -90,6 +92,7 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         )
         self._age = 0.0
         self.venting_time = _venting_time(settings)
+        self._pressure_watch: PressureWatch
 
     @classmethod
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
@@ -147,6 +150,12 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
         return self._stop_contact.device
+
+    def unsafe(self, now: float) -> str:
+        """Return which chamber's monitor hides what is left in it; see `Standing.unsafe`."""
+        regulators = self._regulators
+        shown, safe = regulators.pressure().value, regulators.safe_pressure()
+        return explain_left(self._pressure_watch, shown, safe, now)
 
     def is_pneumatic(self, fault: Exception) -> bool:
         """Return whether a fault is one of cylinders and regulators, so that a log may explain it.

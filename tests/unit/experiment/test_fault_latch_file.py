@@ -2,14 +2,17 @@
 
 import json
 import os
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 from rig.experiment.ending import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OK, EXIT_PREFLIGHT, Ending
 from rig.experiment.fault_latch import FaultLatch, FaultLatched
 from rig.hal import DeviceError
+from rig.hal.driver import Endpoint
 from rig.run_facts import RunStatus
 
 RUN = Path("runs/one")
@@ -129,3 +132,69 @@ def test_a_fault_that_cannot_be_written_any_more_is_told(latch):
     blocked(latch)
     told = latch.settle(RUN, Ending(RunStatus.FAULTED, EXIT_FAULT, "it broke"))
     assert told.startswith("joint: a fault could not be latched")
+
+
+class Wire(NamedTuple):
+    """Settings of a CAN bus, as far as a latch looks at them."""
+
+    @dataclass(frozen=True)
+    class Settings:
+        interface: str
+        channel: str
+
+        def endpoint(self):
+            return Endpoint(self.interface, self.channel, 1_000_000)
+
+    settings: Settings
+    driver: str = "can"
+
+
+class Profile(NamedTuple):
+    """A rig on some wires, as far as a latch looks at it."""
+
+    name: str
+    argument: str
+    buses: dict
+
+
+def on_wires(name, *channels, interface="socketcan"):
+    buses = {f"b{k}": Wire(Wire.Settings(interface, c)) for k, c in enumerate(channels)}
+    return Profile(name, f"configs/{name}.yaml", buses)
+
+
+def test_another_profile_of_the_same_wires_meets_the_fault(latch):
+    mine = FaultLatch.of(on_wires("joint", "can0", "can1"))
+    mine.set(RUN, "a wire was cut")
+    told = (
+        r"^copy: joint is on socketcan can1 as well, and its last fault is latched: a wire was cut "
+        r"\(.*, runs/one\); find the cause and mend it, then: rig reset configs/joint.yaml$"
+    )
+    copy = FaultLatch.of(on_wires("copy", "can1", "can2"))
+    with pytest.raises(FaultLatched, match=told):
+        copy.check()
+    assert copy.reason() is None
+    for other in (on_wires("arm", "can2"), on_wires("arm", "can1", interface="kvaser")):
+        FaultLatch.of(other).check()
+    mine.clear()
+    copy.check()
+
+
+def test_the_wires_are_those_that_it_was_put_on(latch, monkeypatch):
+    monkeypatch.setattr("rig.experiment.fault_latch.parse_interfaces", told_interfaces)
+    FaultLatch.of(on_wires("joint", "can0"), "can7").set(RUN, "it broke")
+    FaultLatch.of(on_wires("arm", "can0"), "hardware").check()
+    with pytest.raises(FaultLatched, match="joint is on socketcan can7 as well"):
+        FaultLatch.of(on_wires("arm", "can7")).check()
+
+
+def told_interfaces(on, profile):
+    return {"b0": {"interface": "socketcan", "channel": on}}
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"wires": 5}', '{"wires": ["socketcan can0"]}'])
+def test_a_file_beside_it_that_nobody_understands_latches_its_own_rig_alone(latch, text):
+    latch.path.parent.mkdir(parents=True)
+    latch.path.write_text(text)
+    FaultLatch.of(on_wires("arm", "can0")).check()
+    with pytest.raises(FaultLatched):
+        latch.check()

@@ -20,6 +20,7 @@ class Profile(NamedTuple):
     name: str = "joint"
     argument: str = "joint"
     devices: dict = {}  # noqa: RUF012 - never written
+    buses: dict = {}  # noqa: RUF012
     foreign: dict = {}  # noqa: RUF012
 
 

@@ -121,7 +121,7 @@ def suspicious(*ways, **settings):
 
 
 def most_off(rods):
-    return rods.watch._pressures._bounds.deviation
+    return rods.watch.pressures._bounds.deviation
 
 
 def test_a_limit_that_is_passed_has_the_suspicion_of_a_regulator():

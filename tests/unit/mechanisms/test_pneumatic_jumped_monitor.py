@@ -113,3 +113,56 @@ def test_a_monitor_that_is_off_may_jump_once_more():
     shown = Shown()
     assert shown.pass_by([JUMP] * 20)[2] == (1, JUMP)
     assert shown.pass_by([2.0 * JUMP] * 3)[-1] == (1, JUMP)
+
+
+class Vented:
+    """A chamber that is vented behind a monitor, beside one that has been empty for long."""
+
+    def __init__(self, fall=0.97):
+        self.jumped = JumpedMonitors(LEAST)
+        self.pressure, self.fall = 2.0**18, fall
+        for _ in range(CALM):
+            self.pressure += 1.0
+            self.jumped.find((0.0, 0.0), (self.pressure, 0.0), STEP)
+        self.jumped.follow_stop()
+
+    def pass_by(self, jumps, step=STEP, is_read=True):
+        """Return what is found while the monitor says so much more than there is."""
+        found = []
+        for jump in jumps:
+            self.jumped.follow_stop()
+            if is_read:
+                self.pressure *= self.fall
+                self.shown = (self.pressure + jump, 0.0)
+            found.append(self.jumped.find(self.shown, self.shown, step))
+        return found
+
+
+def test_what_jumps_down_in_a_stop_is_found_beside_what_is_vented_or_not():
+    for fall in (1.0 - 1e-6, 0.99, 0.97):
+        vented = Vented(fall)
+        assert set(vented.pass_by([0.0] * 40)) == {None}
+        found = vented.pass_by([-JUMP] * 5)
+        assert found[2][0] == 0
+        assert found[2][1] == pytest.approx(-JUMP, rel=0.1)
+        assert [*found[:2], *found[3:]] == [None] * 4
+
+
+def test_in_a_stop_it_is_found_in_the_first_cycle_and_beside_frames_that_were_lost():
+    assert Vented(1.0 - 1e-6).pass_by([-JUMP] * 3)[2] is not None
+    vented = Vented(1.0 - 1e-6)
+    vented.pass_by([0.0])
+    assert vented.pass_by([-JUMP] * 2, is_read=False) == [None, None]
+    assert vented.pass_by([-JUMP] * 3, step=3.0 * STEP)[2] is not None
+
+
+@pytest.mark.parametrize("fall", [0.9, 0.7, 0.5])
+def test_a_chamber_that_empties_at_once_does_not_jump(fall):
+    assert set(Vented(fall).pass_by([0.0] * 60)) == {None}
+
+
+def test_what_jumps_back_in_a_stop_is_found():
+    vented = Vented(0.99)
+    vented.pass_by([-JUMP] * 9)
+    found = [one for one in vented.pass_by([0.0] * 9) if one]
+    assert found == [(0, pytest.approx(JUMP, rel=0.1))]

@@ -311,6 +311,30 @@ def test_what_is_no_sentence_is_no_safe_state_and_says_whose_it_is(answer):
     assert bench.run().unsafe == (f"device: unsafe returned {answer!r}",)
 
 
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        (lambda now: "a chamber hides 60 kPa", "a chamber hides 60 kPa"),
+        (lambda now: 1 / 0, "the mechanism: not known to be safe: ZeroDivisionError"),
+        (lambda now: None, "the mechanism: unsafe returned None"),
+    ],
+)
+def test_what_the_mechanism_has_seen_counts_beside_what_the_devices_say(answer, told):
+    bench = Bench(safe_within=0.2)
+    bench.mechanism.unsafe = answer
+    (sentence,) = bench.run().unsafe
+    assert sentence.startswith(told)
+    assert bench.device.safe == round(0.2 / PERIOD)
+
+
+def test_the_mechanism_is_asked_in_each_cycle_of_the_safe_stop():
+    bench, asked = Bench(), []
+    bench.mechanism.unsafe = lambda now: asked.append(now) or ""
+    assert bench.run().unsafe == ()
+    assert len(asked) == bench.device.safe == SAFE_CYCLES
+    assert asked == pytest.approx([asked[0] + k * PERIOD for k in range(SAFE_CYCLES)])
+
+
 def test_device_or_bus_that_raises_in_make_safe_keeps_no_other_from_it():
     bench = Bench()
 

@@ -27,6 +27,7 @@ class JumpedMonitors:
 
     def __init__(self, least: float) -> None:
         self._least = least
+        self._is_stopping = False
         self._shown: Sequence[float] = ()
         self._step: float
         self._goes_on: bool
@@ -34,6 +35,15 @@ class JumpedMonitors:
         self._jumps: list[float]
         self._stayed: list[int]
         self._last: tuple[float, ...] = ()
+
+    def follow_stop(self) -> None:
+        """Look at a safe stop from now on: what is `off` are the pressures themselves.
+
+        Nothing can be tripped any more: a cycle that missed something is passed over, and what
+        jumps back is looked for as well.
+        """
+        if not self._is_stopping:
+            self._is_stopping, self._last = True, tuple(self._shown)
 
     def find(
         self, off: Sequence[float], shown: Sequence[float], step: float
@@ -49,9 +59,11 @@ class JumpedMonitors:
         step : float
             Since the cycle before, s.
         """
-        last, self._last = self._last, tuple(off)
         is_read, self._shown = shown != self._shown, shown
-        if not last or step > _LATE * self._step or not is_read:
+        if self._is_stopping and not is_read:
+            return None
+        last, self._last = self._last, tuple(off)
+        if not last or (not self._is_stopping and (step > _LATE * self._step or not is_read)):
             self._restart(len(off), step)
             return None
         goes_on, self._goes_on, self._step = self._goes_on, True, step
@@ -70,7 +82,7 @@ class JumpedMonitors:
             elif (
                 abs(way) > self._least
                 and goes_on
-                and abs(here) > abs(before)
+                and (self._is_stopping or abs(here) > abs(before))
                 and abs(way_before) <= _ALONE * abs(way)
             ):
                 self._jumps[k], self._stayed[k] = way, 0

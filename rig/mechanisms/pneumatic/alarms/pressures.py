@@ -1,6 +1,7 @@
 """Tell which regulator is stuck, slow or off, and how, or that the supply is gone."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.answers import LEAST_LAG, ChannelAnswers
@@ -93,6 +94,37 @@ class PressureWatch:
         loop = bounds.loop
         self._frozen = FrozenMonitors(bounds.time, _FROZEN * loop, _EMPTY * loop)
         self._jumped = JumpedMonitors(_LEAP * bounds.offset)
+        self._is_stopping = False
+        self.jumps = [0.0] * len(self._names)
+        """By how much each monitor says too little since air came on, as its jumps have it, Pa."""
+
+    @property
+    def device(self) -> str:
+        """The regulators' name."""
+        return self._device
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The chambers'."""
+        return self._names
+
+    def follow_stop(
+        self, pressures: Sequence[float], setpoints: Sequence[float], now: float
+    ) -> None:
+        """Go on in a cycle of the safe stop: what jumps is noted, and nothing is raised any more.
+
+        Parameters
+        ----------
+        pressures, setpoints : sequence of float
+            What the monitors say, and what the safe state asks for, Pa gauge.
+        now : float
+            s.
+        """
+        self._jumped.follow_stop()
+        self._is_stopping = True
+        self.send(setpoints)
+        with suppress(SafetyError):
+            self.check(pressures, now)
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
@@ -189,11 +221,14 @@ class PressureWatch:
         )
 
     def _check_jumps(self, pressures: Sequence[float], healthy: list[float], step: float) -> None:
-        off = [pressure - should for pressure, should in zip(pressures, healthy, strict=True)]
+        off: Sequence[float] = pressures
+        if not self._is_stopping:
+            off = [pressure - should for pressure, should in zip(pressures, healthy, strict=True)]
         found = self._jumped.find(off, pressures, step)
         if found is None:
             return
         k, jump = found
+        self.jumps[k] = min(self.jumps[k] + jump, 0.0)
         raise PressureOff(
             f"{self._device}: the monitor of {self._names[k]} has jumped, and its air cannot "
             f"[{self._names[k]}: by {jump * 1e-3:+.0f} kPa from one cycle to the next, at most "

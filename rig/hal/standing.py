@@ -1,0 +1,19 @@
+"""What a mechanism says of a rig that is stopped: part of `rig.hal.Mechanism`."""
+
+from typing import Protocol
+
+
+class Standing(Protocol):
+    """A mechanism while it is made safe, and after it."""
+
+    def unsafe(self, now: float) -> str:
+        """Return why the rig is not known to be safe though its devices say so; empty: it is.
+
+        Called in each cycle of the safe stop, which goes on until nobody has anything to say.
+        Default: what the devices say is all that is known.
+        """
+        return ""
+
+    def pose_held(self) -> str | None:
+        """Say how the mechanism is held after a fault, for the operator; None: it is not."""
+        return None
