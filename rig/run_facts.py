@@ -58,6 +58,8 @@ class Manifest(TypedDict, total=False):
     ended: str | None
     exit_code: int | None
     message: str | None
+    wrongs: list[str]
+    """What a campaign found wrong about it, by the plant's truth."""
     git: GitState | None
     versions: dict[str, str]
     plug_ins: dict[str, PlugIn]

@@ -12,6 +12,7 @@ from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.assembly.rows import load
+from rig.assembly.true_columns import true_meaning
 from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError, Plant
@@ -68,7 +69,7 @@ def _bounds(profile: Profile) -> dict[str, float]:
 
 def _truth_columns(plant: Any) -> tuple[Column, ...]:
     return tuple(
-        Column(f"truth.{name}", unit, "true value in the simulated plant")
+        Column(f"truth.{name}", unit, true_meaning(name, unit))
         for name, unit in plant.truth_columns
     )
 

@@ -26,7 +26,7 @@ from rig.cli.names import (
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_data, print_tables
-from rig.cli.terminals import is_terminal
+from rig.terminals import is_terminal
 
 if TYPE_CHECKING:
     from rig.assembly import Backend, Rig

@@ -6,8 +6,8 @@ import sys
 
 import click
 
-from rig.cli.terminals import is_terminal
 from rig.hal import ConfigurationError
+from rig.terminals import is_terminal
 
 
 class NotConfirmed(ConfigurationError):

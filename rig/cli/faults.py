@@ -147,6 +147,7 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
 @click.option(
     "--runs", type=click.Path(path_type=Path, file_okay=False), help="Where run folders live."
 )
+@click.option("--keep", is_flag=True, help="Keep the run folders of cases that went well, too.")
 @configs_option
 @json_option
 def run(
@@ -161,13 +162,15 @@ def run(
     workers: int,
     out: Path | None,
     runs: Path | None,
+    keep: bool,
     configs: Path | None,
     as_json: bool,
 ) -> int:
     """Break rigs, or what files of scenarios say; exit 1 if anybody might have been hurt.
 
     Without a name all rigs that ship are broken, every fault once on each. Each case that goes
-    wrong leaves a run folder with what was true after the fault, and the line that repeats it.
+    wrong leaves a run folder with what was true after the fault, and the line that repeats it;
+    `rig rerun` of that folder repeats it, too.
     A fault whose moment never came is no pass; the exit code is 2 then.
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
@@ -207,7 +210,7 @@ def run(
             jobs += _jobs(name, full, count, only, experiments, seed, configs)
     folder = make_folder(out, seed)
     with CampaignProgress(len(jobs)) as progress:
-        verdicts = run_cases(jobs, folder, configs, workers, progress.told)
+        verdicts = run_cases(jobs, folder, configs, workers, progress.told, keeps=keep)
     rows = make_rows(verdicts)
     page = _keep(folder, f"Faults of {', '.join(rigs or RIGS)}, seed {seed}", verdicts)
     if as_json:
@@ -219,9 +222,8 @@ def run(
     if left := say_uncounted(verdict.case for verdict in verdicts):
         click.echo(left, err=True)
     click.echo(f"{page}", err=True)
-    if any(verdict.hazard or verdict.crashed for verdict in verdicts):
-        return 1
-    return 2 if any(verdict.never for verdict in verdicts) else 0
+    codes = {verdict.exit_code for verdict in verdicts}
+    return min(codes - {0}, default=0)
 
 
 def _is_file(name: str) -> bool:
@@ -252,6 +254,7 @@ def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -
     """Run rigs without a fault; see `rig.faults.quiet`."""
     from rig.faults.progress import QuietProgress
     from rig.faults.quiet import HOUR, run_quietly
+    from rig.json_file import write_json
 
     with QuietProgress(len(runs)) as progress:
         endings = run_quietly(runs, folder, workers, progress.told)
@@ -265,6 +268,9 @@ def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -
             trips = sum(ending.is_trip for ending in own)
             rows.append((name, str(len(own)), f"{spent:.3g}", str(trips)))
         print_tables([Table("quiet", ("rig", "runs", "hours", "false trips"), rows)])
+    kept = folder / "quiet.json"
+    write_json(kept, {"runs": [ending.as_json() for ending in endings]})
+    click.echo(f"{kept}", err=True)
     return 1 if any(ending.is_trip for ending in endings) else 0
 
 

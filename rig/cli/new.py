@@ -11,7 +11,7 @@ import click
 
 from rig.cli.names import OneOf, configs_option, json_option
 from rig.cli.tables import print_json
-from rig.cli.terminals import is_terminal
+from rig.terminals import is_terminal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

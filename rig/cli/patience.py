@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import click
 
-from rig.cli.terminals import is_terminal
+from rig.terminals import is_terminal
 
 _SOON = 2.0
 """Nobody is told what is done by then, s."""

@@ -26,7 +26,7 @@ from rig.cli.names import (
     yes_option,
 )
 from rig.cli.tables import Table, print_json, print_tables
-from rig.cli.terminals import is_terminal
+from rig.terminals import is_terminal
 
 if TYPE_CHECKING:
     from rig.sweeping.data import SweepData

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 import click
 
-from rig.cli.terminals import is_terminal
+from rig.terminals import is_terminal
 
 _OBEYED: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """Control characters but line feed and tab, what turns the direction of a text, half characters."""

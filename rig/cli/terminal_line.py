@@ -5,6 +5,8 @@ import os
 import sys
 from typing import Self
 
+from rig.terminals import is_terminal
+
 
 class TerminalLine:
     """One line on stderr; where that is no terminal, nothing is drawn.
@@ -17,7 +19,7 @@ class TerminalLine:
         self._fd: int | None = None
 
     def __enter__(self) -> Self:
-        if sys.stderr is not None and sys.stderr.isatty():  # None: it was closed
+        if is_terminal(sys.stderr):
             with contextlib.suppress(OSError):  # a console without a name
                 self._fd = os.open(
                     os.ttyname(sys.stderr.fileno()), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY

@@ -105,6 +105,8 @@ def explain_run(folder: Path) -> list[Remark]:
         said += [Remark("when", when)] if when is not None else []
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     unsafe = list(_messages(folder, _UNSAFE))
+    wrongs = manifest.get("wrongs", [])
+    said[1:1] = [Remark("truth", wrong) for wrong in wrongs]  # what a campaign has judged it by
     said[1:1] = [Remark("not safe", sentence) for sentence in unsafe]  # before all else
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
@@ -116,7 +118,10 @@ def explain_run(folder: Path) -> list[Remark]:
     if status == RunStatus.OK:
         if seen:
             return [*said, *_remarks(seen[0], folder, names)]
-        return [*said, Remark("means", "It went well; `rig report` draws it again.")]
+        means = "It went well; `rig report` draws it again."
+        if wrongs:
+            means = "The program took it for a run that went well, and the plant's truth says no."
+        return [*said, Remark("means", means)]
     if status == RunStatus.ABORTED:
         means = "Somebody stopped it, and the rig was made safe."
         again = f"`rig report {folder.name}` draws what there is; the same command runs it anew."

@@ -12,6 +12,7 @@ from rig.config.profile import DeviceHead, ProfileHead
 from rig.config.settings import adapter
 from rig.experiment.measure import Measure
 from rig.explaining.exit_codes import EXIT_CODES
+from rig.hal.formats import format_quantity
 
 Schema = Mapping[str, object]
 
@@ -82,10 +83,16 @@ def exit_codes() -> Iterator[Word]:
 def _faults() -> Iterator[Word]:
     """Return what ``rig faults list`` may name, on whichever rig."""
     from rig.faults.catalogue import KINDS
+    from rig.faults.kind import either, ride
+    from rig.faults.uncounted import is_excused, reason_of
 
     for name, kind in KINDS.items():
+        is_sought = kind.must not in (either, ride)
+        within = format_quantity(kind.within, "s")
+        soon = f" Where it has to be seen: within {within}." if is_sought else ""
         unseen = f" Why it may go unseen: {kind.why}." if kind.why else ""
-        yield Word(name, FAULT, "", f"{kind.what}{unseen}")
+        excused = f" Not every hazard counts: {reason_of(kind)}." if is_excused(kind) else ""
+        yield Word(name, FAULT, "", f"{kind.what}{soon}{unseen}{excused}")
 
 
 def _profile_keys() -> Iterator[Word]:

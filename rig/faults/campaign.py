@@ -79,6 +79,8 @@ def run_cases(
     configs: Path | None,
     workers: int,
     progress: Callable[[Verdict], None],
+    *,
+    keeps: bool = False,
 ) -> list[Verdict]:
     """Run cases, and return their verdicts, rig by rig.
 
@@ -94,12 +96,14 @@ def run_cases(
         How many units at once.
     progress : callable
         Told each verdict as it comes.
+    keeps : bool
+        Keep the run folders of all cases.
     """
     out = out.resolve()
     verdicts: list[Verdict] = []
 
     def perform(unit: Sequence[Job], tell: Tell) -> None:
-        perform_unit([case for case, _ in unit], unit[0][1], out, configs, tell)
+        perform_unit([case for case, _ in unit], unit[0][1], out, configs, tell, keeps=keeps)
 
     for verdict in share_out(_units(jobs), perform, workers):
         verdicts.append(verdict)

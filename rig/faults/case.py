@@ -123,6 +123,8 @@ class Case:
         The file that it was written in.
     configs : str
         The folder of the configurations, if it was named.
+    again : str
+        The command that runs it again, where that is another than these tell.
     """
 
     rig: str
@@ -137,6 +139,7 @@ class Case:
     among: tuple[str, ...] = ()
     source: str = ""
     configs: str = ""
+    again: str = ""
 
     @property
     def breaks(self) -> tuple[Break, ...]:
@@ -163,6 +166,8 @@ class Case:
     @property
     def command(self) -> str:
         """The command that runs this case again."""
+        if self.again:
+            return self.again
         configs = f" --configs {shlex.quote(self.configs)}" if self.configs else ""
         if self.drawn_with is None:
             return f"rig faults run {shlex.quote(self.source)}{configs}"

@@ -1,12 +1,13 @@
 """The page of a campaign: the reaction table, and every case in which something is wrong."""
 
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rig.faults.table import HEADER, SUM, Row
+from rig.faults.table import HEADER, PASSES, SUM, Row
 from rig.faults.uncounted import say_uncounted
 from rig.faults.verdict import Verdict
-from rig.report.markup import NOTHING, Html, element, page, section, table
+from rig.report.markup import NOTHING, Html, element, join, page, section, table
 from rig.whole_file import write_whole
 
 
@@ -25,8 +26,18 @@ def _table(rows: Sequence[Row]) -> Html:
     cells = [row.cells() for row in sums_first]
     styles = ["fail" if any(row.wrongs) else "" for row in sums_first]
     told = "A phase shows its cases, and after an exclamation mark those that went wrong."
-    shown = table("Reactions", HEADER, cells, styles=styles)
-    return section("Reactions", element("p", told), shown)
+    used = [k for k, name in enumerate(HEADER) if name in PASSES or any(row[k] for row in cells)]
+    empty = [name for k, name in enumerate(HEADER) if k not in used]
+    none = f" None: {', '.join(empty)}." if empty else ""
+    head = [_breakable(HEADER[k]) for k in used]
+    body = [[_breakable(row[k]) for k in used] for row in cells]
+    shown = table("Reactions", head, body, styles=styles)
+    return section("Reactions", element("p", told + none), shown)
+
+
+def _breakable(text: str) -> Html:
+    """Return a name or three times that go on in the next line where a cell is too narrow."""
+    return join(re.split(r"(?<=[_/])", text), "<wbr>")
 
 
 def _failures(failed: Iterable[Verdict]) -> Html:

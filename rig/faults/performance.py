@@ -1,11 +1,10 @@
 """A run that is broken on cue, in one of many ways: the program as it is, on a stage."""
 
-import contextlib
-import json
 import random
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -17,6 +16,7 @@ from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.felt import Felt
+from rig.faults.kept_case import clock_of, keep_case, note_break
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
@@ -25,7 +25,7 @@ from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Column, Controller
 from rig.hal.controller import AnyController
 from rig.hal.hazards import ENERGY_LEFT
-from rig.run_facts import EVENTS, LOG
+from rig.run_facts import LOG
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState
 
@@ -34,8 +34,6 @@ AFTERMATH = 1.5
 HORIZON = 1.0
 """How long the run may go on after the last fault until it is asked to stop, s; or for as long as a
 fault may take to be seen that shows before."""
-TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
-"""Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 
 
 class _Spoilt(Controller[Any, Any, Any]):
@@ -77,6 +75,8 @@ class Performance(Watcher):
         Called when no case is left; does not return.
     dies : callable
         Called when the program is killed; does not return.
+    keeps : bool
+        Whether the folder is kept of what goes well, too.
     """
 
     def __init__(
@@ -87,8 +87,10 @@ class Performance(Watcher):
         branch: Callable[[Case], bool],
         over: Callable[[], None],
         dies: Callable[[], None],
+        keeps: bool = False,
     ) -> None:
         self.subject = subject
+        self._keeps = keeps
         self.folder: Path | None = None
         self.waiting = list(cases)
         """Cases whose moment has not come."""
@@ -241,16 +243,7 @@ class Performance(Watcher):
             self._unwritten.append(item)
             return
         start = self._running_from
-        t = None if start is None else self._stage.world.time - start
-        data = {"fault": item.kind, "where": item.where, "magnitude": item.magnitude}
-        if item.lasts < float("inf"):
-            data["lasts"] = item.lasts
-        event = {"t": t, "kind": "injected", "message": item.row.what, "data": data}
-        with (
-            contextlib.suppress(OSError),  # the disk may be full by now
-            (self.folder / EVENTS).open("a", encoding="utf-8") as file,
-        ):
-            file.write(json.dumps(event) + "\n")
+        note_break(self.folder, item, None if start is None else self._stage.world.time - start)
 
     # What came of it ---------------------------------------------------------------------
 
@@ -273,9 +266,10 @@ class Performance(Watcher):
         self._stage.watch_on(AFTERMATH)
         # A dead program says nothing; what its devices do of themselves has to be done by then.
         safe_from = ended_at if code is not None else ended_at + AFTERMATH - 0.1
-        times, rows = (np.array(values) for values in self._stage.truth)
+        truth, clock = self._stage.truth, clock_of(self._running_from)
+        times, rows = (np.array(values) for values in truth)
         plight = partial(
-            plight_of, subject=self.subject, columns=self._columns, truth=self._stage.truth,
+            plight_of, subject=self.subject, columns=self._columns, truth=truth,
             ended_at=ended_at, controlled_until=self._controlled_until,
         )  # fmt: skip
         made_at = [*self._felt.made_at, *[None] * len(self._case.breaks)]  # a second may not come
@@ -284,26 +278,32 @@ class Performance(Watcher):
             for item, at in zip(self._case.breaks, made_at, strict=False)
             for name in item.row.forgives | item.row.excuses(plight(item, broke_at=at))
         }
-        violations = judge(
-            self.subject.hazards, self._columns, times, rows,
-            safe_from=safe_from, forgiven=forgiven,
-        )  # fmt: skip
+        found = partial(
+            judge, self.subject.hazards, self._columns, times, rows, safe_from=safe_from
+        )
+        violations = found(forgiven=forgiven)
         told = " ".join((message, *self._said))
-        wrong = tuple(v for v in violations if not _is_confessed(v, told))
+        wrong = [v for v in violations if not _is_confessed(v, told)]
+        excused = [v for v in found() if v.hazard in forgiven] if forgiven else []
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
-        seen_at = None if rehearsed else self._seen_at
         until = min(ended_at, self._controlled_until)
         felt_at = self._felt.shown(self._columns, times, rows, until)
-        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, felt_at)
+        ending = CaseEnding(
+            code, message, clock.or_never(self._broke_at),
+            None if rehearsed else clock.or_never(self._seen_at),
+            tuple(v._replace(t=clock.of(v.t)) for v in wrong),
+            tuple(clock.or_never(at) for at in felt_at),
+            clock.since,
+            tuple(v._replace(t=clock.of(v.t)) for v in excused),
+        )  # fmt: skip
         verdict = give_verdict(self._case, ending, self.subject)
         if len(self._felt) < len(self._case.breaks):  # what did not happen was not ridden through
             verdict = verdict.missed()
         if self._refused:
             verdict = verdict.broken(self._refused)
-        if verdict.failed and self.folder is not None:
-            np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
-            content = {"t": "s", "columns": [column._asdict() for column in self._described]}
-            (self.folder / TRUTH_COLUMNS).write_text(json.dumps(content, indent=2) + "\n")
+        if self.folder is not None and (verdict.failed or self._keeps):
+            keep_case(self.folder, verdict, self._described, truth, clock)
+            verdict = replace(verdict, folder=str(self.folder.resolve()))
         return verdict
 
 

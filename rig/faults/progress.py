@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -10,6 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from rig.faults.quiet import QuietEnding
 from rig.faults.verdict import Verdict
+from rig.terminals import is_terminal
 
 
 class _Progress:
@@ -28,7 +30,7 @@ class _Progress:
         self._console = Console(file=sys.stderr, highlight=False, soft_wrap=True)
         self._bar = Progress(
             TextColumn("faults"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-            console=self._console, disable=not sys.stderr.isatty(), transient=True,
+            console=self._console, disable=not is_terminal(sys.stderr), transient=True,
         )  # fmt: skip
         self._task = self._bar.add_task("faults", total=total)
         self._total, self._done, self._failed = total, 0, 0
@@ -46,8 +48,8 @@ class _Progress:
         self._bar.stop()
         self._say(f"{self._done} of {self._total} {self.things}, {self._failed} went wrong")
 
-    def _take(self, wrongs: Sequence[str], command: str) -> None:
-        """Count one that is done, with what is wrong about it and the line that repeats it."""
+    def _take(self, wrongs: Sequence[str], command: str, folder: str = "") -> None:
+        """Count one that is done: what is wrong, the line that repeats it, and what it left."""
         self._done += 1
         self._bar.advance(self._task)
         if wrongs:
@@ -55,7 +57,9 @@ class _Progress:
             for wrong in wrongs:
                 self._say(f"  {wrong}")
             self._say(f"    {command}")
-        if not sys.stderr.isatty() and self._done % 50 == 0:
+            if folder:
+                self._say(f"    {_from_here(folder)}")
+        if not is_terminal(sys.stderr) and self._done % 50 == 0:
             self._say(f"{self._done} of {self._total} {self.things}")
 
     def _say(self, text: str) -> None:
@@ -69,7 +73,7 @@ class CampaignProgress(_Progress):
 
     def told(self, verdict: Verdict) -> None:
         """Take a verdict."""
-        self._take(list(verdict.wrongs()), verdict.case.command)
+        self._take(list(verdict.wrongs()), verdict.case.command, verdict.folder)
 
 
 class QuietProgress(_Progress):
@@ -81,3 +85,9 @@ class QuietProgress(_Progress):
         """Take an ending."""
         wrong = [f"false trip: {ending.message}"] if ending.is_trip else []
         self._take(wrong, ending.run.command)
+
+
+def _from_here(folder: str) -> Path:
+    """Return a folder as a path from here, if it is below."""
+    path = Path(folder)
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rig.faults.case import Moment
-from rig.faults.verdict import Verdict
+from rig.faults.verdict import CameTo, Verdict
 
 DOUBLE = "two at once"
 SUM = "all"
@@ -24,6 +24,8 @@ class Row(NamedTuple):
         Cases.
     phases : tuple of (int, int)
         For each `Moment`: the cases, and those of them that went wrong.
+    passes : tuple of int
+        How many of them were seen, ridden out, and excused.
     wrongs : tuple of int
         Hazards, unseen, misnamed, false trips, late, crashed, never happened.
     reactions : tuple of float
@@ -37,6 +39,7 @@ class Row(NamedTuple):
     rig: str
     n: int
     phases: tuple[tuple[int, int], ...]
+    passes: tuple[int, ...]
     wrongs: tuple[int, ...]
     reactions: tuple[float, ...]
     period: float
@@ -49,7 +52,7 @@ class Row(NamedTuple):
         cycles = [f"{value / self.period:.0f}" for value in reactions]
         return (
             self.fault, self.rig, str(self.n), *phases,
-            *[str(count) if count else "" for count in self.wrongs],
+            *[str(count) if count else "" for count in (*self.passes, *self.wrongs)],
             "/".join(cycles), "/".join(times),
         )  # fmt: skip
 
@@ -60,15 +63,17 @@ class Row(NamedTuple):
             "rig": self.rig,
             "n": self.n,
             "phases": {m.value: list(p) for m, p in zip(Moment, self.phases, strict=True)},
+            **dict(zip(PASSES, self.passes, strict=True)),
             **dict(zip(WRONGS, self.wrongs, strict=True)),
             "reactions": list(self.reactions),
             "period": self.period,
         }
 
 
+PASSES = tuple(str(outcome) for outcome in CameTo if outcome is not CameTo.WRONG)
 WRONGS = ("hazards", "unseen", "misnamed", "false trips", "late", "crashed", "never")
 HEADER = (
-    "fault", "rig", "n", *(moment.value for moment in Moment), *WRONGS,
+    "fault", "rig", "n", *(moment.value for moment in Moment), *PASSES, *WRONGS,
     "cycles p50/p99/max", "ms p50/p99/max",
 )  # fmt: skip
 
@@ -96,6 +101,7 @@ def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:
     return Row(
         fault, rig, len(verdicts),
         phases=tuple((len(some), sum(v.failed for v in some)) for some in in_phase),
+        passes=tuple(sum(v.outcome == outcome for v in verdicts) for outcome in PASSES),
         wrongs=tuple(
             sum(flags)
             for flags in zip(*((v.hazard, v.unseen, v.misnamed, v.false_trip, v.late, v.crashed,

@@ -1,13 +1,28 @@
 """Which hazards of a campaign were not counted: those that nothing could have kept off."""
 
 from collections.abc import Iterable
+from typing import Final
 
+from rig.faults import excuses
 from rig.faults.case import Case
-from rig.faults.kind import no_excuse
+from rig.faults.excuses import ON_A_WIRE
+from rig.faults.kind import FaultKind, no_excuse
+
+_PUSHES: Final = (excuses.topples, excuses.overpowers, excuses.overpowers_wires)
+_LETS_GO: Final = (excuses.pulls_alone, excuses.empties_at_once, excuses.fills_alone)
+_STOP: Final = (
+    "Where a wire, a tube or a regulator lets go the mechanical stop has to bear it: "
+    "`rig check RIG` says how much"
+)
+_PUSH: Final = "A push that is stronger than the rig can hold moves it"
+_FALL: Final = (
+    "A joint that has lost its torque, encoder, brake or right setpoint falls where nothing else "
+    "holds it"
+)
 
 
 def say_uncounted(cases: Iterable[Case]) -> str:
-    """Return of which faults not every hazard was counted, in a sentence; empty: of none.
+    """Return of which faults not every hazard was counted, and why; empty: of none.
 
     Parameters
     ----------
@@ -15,10 +30,21 @@ def say_uncounted(cases: Iterable[Case]) -> str:
         That were performed.
     """
     rows = {item.kind: item.row for case in cases for item in case.breaks}
-    names = [name for name, row in rows.items() if row.forgives or row.excuses is not no_excuse]
-    if not names:
+    left = {name: row for name, row in rows.items() if is_excused(row)}
+    if not left:
         return ""
-    return (
-        f"not counted: what nothing could keep off after {', '.join(sorted(names))}. Where a wire "
-        "or tube lets go the mechanical stop has to bear it: `rig check EXPERIMENT` says how much"
-    )
+    reasons = dict.fromkeys(map(reason_of, left.values()))
+    names = ", ".join(sorted(left))
+    return f"not counted: what nothing could keep off after {names}. {'. '.join(reasons)}"
+
+
+def is_excused(row: FaultKind) -> bool:
+    """Return whether a hazard after a fault of a kind may not be counted."""
+    return bool(row.forgives) or row.excuses is not no_excuse
+
+
+def reason_of(row: FaultKind) -> str:
+    """Return why a hazard after a fault of a kind may not be counted, a sentence."""
+    if row.excuses in _PUSHES:
+        return _PUSH
+    return _STOP if row.forgives >= ON_A_WIRE or row.excuses in _LETS_GO else _FALL

@@ -28,7 +28,13 @@ Tell = Callable[[Verdict], None]
 
 
 def perform_unit(
-    cases: Sequence[Case], subject: Subject, out: Path, configs: Path | None, tell: Tell
+    cases: Sequence[Case],
+    subject: Subject,
+    out: Path,
+    configs: Path | None,
+    tell: Tell,
+    *,
+    keeps: bool = False,
 ) -> None:
     """Run an experiment once, and every case as a copy of it from its moment on; does not return.
 
@@ -44,20 +50,23 @@ def perform_unit(
         The folder of the configurations.
     tell : callable
         Takes each verdict.
+    keeps : bool
+        Keep all folders.
     """
     first = cases[0]
     shared = out / f"{first.folder}-shared"
     shutil.rmtree(shared, ignore_errors=True)
     home = make_home(shared)
-    branch = _Branch(home, out, subject, tell)
+    branch = _Branch(home, out, subject, tell, keeps=keeps)
 
     def over() -> None:
         shutil.rmtree(shared, ignore_errors=True)
         os._exit(0)
 
     performance = Performance(
-        cases, subject, branch=branch.go, over=over, dies=lambda: branch.tell_end(None, "killed")
-    )
+        cases, subject, branch=branch.go, over=over,
+        dies=lambda: branch.tell_end(None, "killed"), keeps=keeps,
+    )  # fmt: skip
     branch.performance = performance
     try:
         result = _run(first, home.path, configs, performance)
@@ -93,12 +102,13 @@ def _run(case: Case, out: Path, configs: Path | None, performance: Performance) 
 class _Branch:
     """The fork of a run at a case's moment, and the way back of its verdict."""
 
-    def __init__(self, home: Home, out: Path, subject: Subject, tell: Tell) -> None:
+    def __init__(self, home: Home, out: Path, subject: Subject, tell: Tell, *, keeps: bool) -> None:
         self.performance: Performance
         self._home = home
         self._out = out
         self._subject = subject
         self._tell = tell
+        self._keeps = keeps
         self._sender: int | None = None
         self._folder: Path
 
@@ -122,7 +132,7 @@ class _Branch:
         """Tell the verdict of this process's case, and end it; nothing of the program is left."""
         if self._sender is not None:
             verdict = self.performance.end(code, message)
-            if not verdict.failed:
+            if not (verdict.failed or self._keeps):
                 shutil.rmtree(self._folder, ignore_errors=True)
             with os.fdopen(self._sender, "wb") as pipe:
                 pickle.dump(verdict, pipe)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
 from math import inf
 
 from rig.faults.case import Case, Moment
@@ -16,6 +17,19 @@ _CONTROLLED = (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
 """Phases in which what breaks must be seen; a procedure widens what rests on what it looks for."""
 _FELT = (0.0, 0.0)
 """Of a case that has not been performed: each of its faults will be felt."""
+
+
+class CameTo(StrEnum):
+    """The sum of a verdict."""
+
+    WRONG = "wrong"
+    """Something was wrong."""
+    SEEN = "seen"
+    """The program said that something is wrong, or died of it, and nobody was in danger."""
+    RIDDEN = "ridden out"
+    """The run went on as if nothing had been, as it had to."""
+    EXCUSED = "excused"
+    """It was not seen, or a hazard became true, and the reason for which that counts is stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +50,10 @@ class CaseEnding:
         Hazards that became true.
     felt_at : tuple of (float or None)
         When each fault that happened could first be seen, s; None if it never could. See `Felt`.
+    since : str
+        What all these times are counted from.
+    excused : tuple of Violation
+        Hazards that became true and that nothing could have kept off.
     """
 
     code: int | None
@@ -44,6 +62,24 @@ class CaseEnding:
     seen_at: float | None
     violations: tuple[Violation, ...] = ()
     felt_at: tuple[float | None, ...] = ()
+    since: str = ""
+    excused: tuple[Violation, ...] = ()
+
+    @property
+    def clock(self) -> str:
+        """The clock of its times, in words, and when the first fault came by it."""
+        at = "" if self.broke_at is None else f", the fault at {self.broke_at:.3f} s"
+        return f" (since {self.since}{at})" if self.since else ""
+
+    @property
+    def is_tripped(self) -> bool:
+        """Whether the program said that something is wrong."""
+        return self.code in (REFUSED, FAULTED, OURS)
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it did, or died of it."""
+        return self.is_tripped or self.code is None
 
     @property
     def reaction(self) -> float | None:
@@ -95,9 +131,25 @@ class Verdict:
         return replace(self, never=True)
 
     @property
+    def outcome(self) -> CameTo:
+        """What a case came to."""
+        if self.failed:
+            return CameTo.WRONG
+        if self.ending.excused:
+            return CameTo.EXCUSED
+        if self.ending.is_seen:
+            return CameTo.SEEN
+        return CameTo.RIDDEN if self.must is Must.RIDE else CameTo.EXCUSED
+
+    @property
     def failed(self) -> bool:
         """Whether anything is wrong."""
         return any(True for _ in self.wrongs())
+
+    @property
+    def exit_code(self) -> int:
+        """The exit code of the case alone: 1 after a hazard, 2 if its moment never came."""
+        return 1 if self.hazard or self.crashed else 2 if self.never else 0
 
     def wrongs(self) -> Iterator[str]:
         """Yield what is wrong, a sentence each."""
@@ -106,7 +158,7 @@ class Verdict:
         if self.never:
             yield f"never happened: {self.case.awaited}; it was all over before"
         if self.hazard:
-            yield "hazard: " + "; ".join(map(str, self.ending.violations))
+            yield f"hazard: {'; '.join(map(str, self.ending.violations))}{self.ending.clock}"
         if self.unseen:
             yield f"unseen: the run ended with {self.ending.code} as if nothing were wrong"
         if self.false_trip:
@@ -119,10 +171,14 @@ class Verdict:
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data, with what is wrong in words."""
-        violations = [violation._asdict() for violation in self.ending.violations]
+        hazards = {
+            "violations": [violation._asdict() for violation in self.ending.violations],
+            "excused": [violation._asdict() for violation in self.ending.excused],
+        }
         return asdict(self) | {
             "case": self.case.as_json(),
-            "ending": asdict(self.ending) | {"violations": violations},
+            "ending": asdict(self.ending) | hazards,
+            "outcome": self.outcome,
             "wrongs": list(self.wrongs()),
             "again": self.case.command,
         }
@@ -131,8 +187,7 @@ class Verdict:
 def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     """Compare what came of a case with what had to."""
     must, wanted = what_must_come(case, subject, ending.felt_at), how_soon(case, ending, subject)
-    tripped = ending.code in (REFUSED, FAULTED, OURS)
-    seen = tripped or ending.code is None
+    tripped, seen = ending.is_tripped, ending.is_seen
     happened = ending.broke_at is not None
     stopping = case.moment in (Moment.RELEASE, Moment.STOP)  # then it is made safe anyway
     named = not happened or _is_named(case, ending, subject)

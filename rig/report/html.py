@@ -117,9 +117,17 @@ def _header(folder: RunFolder, title: str) -> Html:
         for name, value in facts.items()
         if value is not None
     )
+    wrongs = [
+        element("p", "By what was true of the rig: ", wrong, class_="fail")
+        for wrong in manifest.get("wrongs", ())
+    ]
     badge = element("span", status, class_=f"badge {status}")
     return element(
-        "header", element("h1", title, " ", badge), element("p", message), element("dl", *entries)
+        "header",
+        element("h1", title, " ", badge),
+        element("p", message),
+        *wrongs,
+        element("dl", *entries),
     )
 
 

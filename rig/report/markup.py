@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
+_MANY: Final = 16
+"""A table of more columns is set in smaller letters."""
 _CSS: Final = Path(__file__).with_name("report.css")
 
 
@@ -114,7 +116,8 @@ def table(
     titles = (cell("th", k, text, scope="col") for k, text in enumerate(head))
     top = element("thead", element("tr", *titles)) if head else NOTHING
     whole = element("table", top, element("tbody", Html("\n"), body, Html("\n")))
-    return element("div", whole, class_="wide", tabindex=0, role="region", aria_label=name)
+    kind = "wide many" if len(head) > _MANY else "wide"
+    return element("div", whole, class_=kind, tabindex=0, role="region", aria_label=name)
 
 
 def page(title: str, *content: str, width: str = "60rem") -> str:

@@ -26,6 +26,7 @@ from rig.scripting.errors import CodeFailed, MeasureFailed, error_of
 from rig.scripting.given import MOST, Given, naming_theirs
 from rig.scripting.played import PlanFunction, refuse_within_plan
 from rig.scripting.recorded import Run
+from rig.terminals import is_terminal
 
 Settings = Mapping[str, object]
 """Settings by their dotted names, as ``--set`` takes them: numbers in SI, or text with a unit."""
@@ -270,7 +271,7 @@ def _shown(plan: Plan, on: str, progress: bool | None, pace: float | None) -> It
     from rig.cli.watched_run import WatchedRun
 
     if progress is None:
-        progress = sys.stderr is not None and sys.stderr.isatty()
+        progress = is_terminal(sys.stderr)
     if not progress:
         yield Watcher() if pace is None else PacedWatcher(pace)
         return

@@ -5,6 +5,7 @@ import sys
 from time import monotonic
 
 from rig.sweeping.finding import DONE, PointFinding
+from rig.terminals import is_terminal
 
 _REDRAW = 0.2
 """Least time between two redraws, s."""
@@ -29,7 +30,7 @@ class SweepProgress:
         self._known = 0
         self._began = monotonic()
         self._drawn = 0.0
-        self._line = not quiet and sys.stderr.isatty()
+        self._line = not quiet and is_terminal(sys.stderr)
         self._next_tenth = 1
 
     def known(self) -> None:
