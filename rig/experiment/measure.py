@@ -49,9 +49,9 @@ class Samples:
     ) -> None:
         self._log = log
         self._constants = constants
-        self._run = log.column("phase") == PHASE_RUN
-        self._slopes: dict[str, Array] = {}
-        self.t = log.column("reference.time")[self._run]
+        self._run = stretch_of(log.column("phase") == PHASE_RUN)
+        self._slope: tuple[str, Array] | None = None
+        self.t = self.column("reference.time")
         self.period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
     @property
@@ -88,14 +88,13 @@ class Samples:
 
     def column(self, name: str) -> "Array":
         """Return one column, shape (n,); LogError if there is none."""
-        values: Array = self._log.column(name)[self._run]
-        return values
+        return np.ascontiguousarray(self._log.column(name)[self._run])
 
     def slope(self, name: str) -> "Array":
-        """Return a column's derivative, shape (n,); see `local_slope`."""
-        if name not in self._slopes:
-            self._slopes[name] = local_slope(self.t, self.column(name))
-        return self._slopes[name]
+        """Return a column's derivative, shape (n,); see `local_slope`. The last one is kept."""
+        if self._slope is None or self._slope[0] != name:
+            self._slope = name, local_slope(self.t, self.column(name))
+        return self._slope[1]
 
     def names(self, prefix: str) -> tuple[str, ...]:
         """Return the columns that start with `prefix`."""
@@ -191,6 +190,14 @@ class Window:
 Windows = Sequence[Window]
 Values = Callable[[Window], "Array"]
 """What a measure takes of a window, of any shape."""
+
+
+def stretch_of(chosen: "NDArray[np.bool_]") -> "slice | NDArray[np.bool_]":
+    """Return the slice that chosen cycles are, which takes no memory; themselves if it is none."""
+    if not chosen.any():
+        return slice(0, 0)
+    first, last = int(np.argmax(chosen)), len(chosen) - int(np.argmax(chosen[::-1]))
+    return slice(first, last) if chosen[first:last].all() else chosen
 
 
 class Measure(NamedTuple):

@@ -2,53 +2,46 @@
 
 import re
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO
 
 import numpy as np
 
 from rig.runtime.log import LogFile
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from rig.runtime.log_columns import LogColumns, columns_of
 
 _MATLAB_NAME_LENGTH = 31
 """What MATLAB's level-5 files allow for a name."""
-_AT_ONCE = 32 << 20
-"""Bytes of columns that are collected in one pass through the log."""
-
-
-def columns_of(file: LogFile) -> "Iterator[tuple[str, NDArray[np.generic]]]":
-    """Yield ``cycle``, ``t`` and every column with its name; the log is read once for a few."""
-    names = ["cycle", "t", *(column.name for column in file.columns)]
-    at_once = max(_AT_ONCE // (8 * max(file.room, 1)), 1)
-    for first in range(0, len(names), at_once):
-        some = names[first : first + at_once]
-        kinds = [np.uint64 if name == "cycle" else np.float64 for name in some]
-        made = [np.empty(file.room, kind) for kind in kinds]
-        end = 0
-        for rows in file.pieces():
-            start, end = end, end + len(rows)
-            for k, values in enumerate(made, first):
-                values[start:end] = rows[names[k]] if k < 2 else rows["row"][:, k - 2]
-        for name, values in zip(some, made, strict=True):
-            yield name, values[:end]
 
 
 def write_npz(file: LogFile, target: Path) -> None:
     """Write one array per column by its name, and ``names``, ``units``, ``descriptions``."""
+    log = columns_of(file)
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
 
-        def put(name: str, values: "NDArray[np.generic]") -> None:
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
-                np.lib.format.write_array(stream, values, allow_pickle=False)
+        def member(name: str) -> IO[bytes]:
+            return archive.open(f"{name}.npy", "w", force_zip64=True)
 
-        for name, values in columns_of(file):
-            put(name, values)
-        put("names", np.array([c.name for c in file.columns]))
-        put("units", np.array([c.unit for c in file.columns]))
-        put("descriptions", np.array([c.description for c in file.columns]))
+        for name, kind in _kinds(log).items():
+            head = {"descr": np.dtype(kind).str, "fortran_order": False, "shape": (log.rows,)}
+            with member(name) as stream:
+                np.lib.format.write_array_header_1_0(stream, head)
+                for piece in log.pieces(name):
+                    stream.write(piece.tobytes())
+        for name, texts in (
+            ("names", [c.name for c in file.columns]),
+            ("units", [c.unit for c in file.columns]),
+            ("descriptions", [c.description for c in file.columns]),
+        ):
+            with member(name) as stream:
+                np.lib.format.write_array(stream, np.array(texts), allow_pickle=False)
+
+
+def _kinds(log: LogColumns) -> dict[str, type[np.generic]]:
+    """Return the names of all arrays, each with the kind of its numbers."""
+    names = ["t", *(column.name for column in log.columns)]
+    return {"cycle": np.uint64, **dict.fromkeys(names, np.float64)}
 
 
 def write_mat(file: LogFile, target: Path) -> None:
@@ -58,7 +51,9 @@ def write_mat(file: LogFile, target: Path) -> None:
     """
     from scipy.io import savemat
 
-    legal = matlab_names(["cycle", "t", *(column.name for column in file.columns)])
+    log = columns_of(file)
+    kinds = _kinds(log)
+    legal = matlab_names([*kinds])
     told = {
         "variable": np.array(legal[2:], dtype=object),
         "name": np.array([c.name for c in file.columns], dtype=object),
@@ -67,7 +62,11 @@ def write_mat(file: LogFile, target: Path) -> None:
     }
     with target.open("wb") as stream:
         # Variables follow each other in a file, and the head is written at its start alone.
-        for name, (_, values) in zip(legal, columns_of(file), strict=True):
+        for name, (column, kind) in zip(legal, kinds.items(), strict=True):
+            values, end = np.empty(log.rows, kind), 0
+            for piece in log.pieces(column):
+                start, end = end, end + len(piece)
+                values[start:end] = piece
             savemat(stream, {name: values}, oned_as="column", do_compression=True)
         savemat(stream, {"columns": told}, oned_as="column", do_compression=True)
 

@@ -12,7 +12,7 @@ import numpy as np
 from rig.assembly import REGISTRY
 from rig.config.calibration import HARDWARE
 from rig.config.yaml_loader import read_plain
-from rig.experiment.measure import PHASE_RUN
+from rig.experiment.measure import PHASE_RUN, stretch_of
 from rig.experiment.metrics import Evaluation, evaluation_from_json
 from rig.hal import ConfigurationError
 from rig.hal.motion import Segment
@@ -67,15 +67,18 @@ class RunData:
         run = self.log.column("phase") == PHASE_RUN
         return run if run.any() else np.ones(len(self.log.t), bool)
 
+    @cached_property
+    def _stretch(self) -> "slice | NDArray[np.bool_]":
+        return stretch_of(self.followed)
+
     @property
     def time(self) -> "NDArray[np.float64]":
         """Seconds since the reference started, of the cycles that followed it, shape (n,)."""
-        return self.t[self.followed]
+        return np.ascontiguousarray(self.t[self._stretch])
 
     def trace(self, name: str) -> "NDArray[np.float64]":
         """Return a column of the cycles that followed the reference, shape (n,)."""
-        values: NDArray[np.float64] = self.log.column(name)[self.followed]
-        return values
+        return np.ascontiguousarray(self.log.column(name)[self._stretch])
 
     def track(self, name: str) -> "NDArray[np.float64]":
         """Return the columns ``name_x``, ``_y``, ``_z`` of the same cycles, shape (n, 3)."""

@@ -60,14 +60,16 @@ class NoTiming(TypedDict):
 
 def has_timing(log: "LogColumns") -> bool:
     """Return whether the log holds the stages' times."""
-    return len(log.t) > 0 and all(
-        f"timing.{name}" in log for name in (*STAGES, "slack", "lateness")
-    )
+    return log.rows > 0 and all(f"timing.{name}" in log for name in (*STAGES, "slack", "lateness"))
 
 
-def stage_times(log: "LogColumns") -> "NDArray[np.float64]":
-    """Return how long each stage took, s, shape (n, stages)."""
-    return np.column_stack([log.column(f"timing.{stage}") for stage in STAGES])
+def work_times(log: "LogColumns") -> "NDArray[np.float64]":
+    """Return how long all stages of each cycle took, s, shape (n,)."""
+    work, end = np.empty(log.rows), 0
+    for stages in zip(*(log.pieces(f"timing.{stage}") for stage in STAGES), strict=True):
+        start, end = end, end + len(stages[0])
+        work[start:end] = np.column_stack(stages).sum(axis=1)
+    return work
 
 
 def summarise_timing(log: "LogColumns") -> TimingSummary | NoTiming:
@@ -83,37 +85,44 @@ def summarise_timing(log: "LogColumns") -> TimingSummary | NoTiming:
     """
     if not has_timing(log):
         return {}
-    times = stage_times(log)
-    work = times.sum(axis=1)
+    work = work_times(log)
     period = float(np.median(work + log.column("timing.slack")))
-    usual = np.median(times, axis=0)
     total = float(work.sum())
-    worst = np.argsort(-work, kind="stable")[:WORST]
+    worst = _longest(work)
+    stages: dict[str, StageTime] = {}
+    delays = np.empty((len(worst), len(STAGES)))
+    for number, stage in enumerate(STAGES):  # no more than one is in memory
+        times = log.column(f"timing.{stage}")
+        delays[:, number] = times[worst] - np.median(times)
+        share = float(times.sum()) / total if total > 0.0 else 0.0
+        stages[stage] = {**_spread(times), "share": share}
+    cycle, t, lateness = log.cycle, log.t, log.column("timing.lateness")
     return {
         "period": period,
-        "cycles": len(log.t),
-        "missed": int(np.maximum(np.diff(log.cycle.astype(np.int64)) - 1, 0).sum()),
+        "cycles": log.rows,
+        "missed": int(np.maximum(np.diff(cycle.astype(np.int64)) - 1, 0).sum()),
         "overruns": int(np.count_nonzero(work > period)),
         "work": _spread(work),
-        "lateness": _spread(log.column("timing.lateness")),
-        "stages": {
-            stage: {
-                **_spread(times[:, number]),
-                "share": float(times[:, number].sum()) / total if total > 0.0 else 0.0,
-            }
-            for number, stage in enumerate(STAGES)
-        },
+        "lateness": _spread(lateness),
+        "stages": stages,
         "worst": [
             {
-                "cycle": int(log.cycle[index]),
-                "t": float(log.t[index]),
+                "cycle": int(cycle[index]),
+                "t": float(t[index]),
                 "work": float(work[index]),
-                "lateness": float(log.column("timing.lateness")[index]),
-                "blame": STAGES[int(np.argmax(times[index] - usual))],
+                "lateness": float(lateness[index]),
+                "blame": STAGES[int(np.argmax(delay))],
             }
-            for index in worst
+            for index, delay in zip(worst.tolist(), delays, strict=True)
         ],
     }
+
+
+def _longest(work: "NDArray[np.float64]") -> "NDArray[np.intp]":
+    """Return which cycles took longest, the longest first, of equal ones the earlier."""
+    least = np.partition(work, -WORST)[-WORST] if len(work) > WORST else -np.inf
+    found = np.flatnonzero(work >= least)
+    return found[np.argsort(-work[found], kind="stable")][:WORST]
 
 
 def _spread(values: "NDArray[np.float64]") -> Spread:

@@ -7,10 +7,12 @@ import numpy as np
 from rig.report.data import RunData
 from rig.report.figure import FigureKind
 from rig.report.style import BLUE, INK, PAGE, PALETTE, VERMILION, new_figure, place_legend
-from rig.report.timing import STAGES, has_timing, stage_times
+from rig.report.timing import STAGES, has_timing, work_times
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from rig.runtime.log_columns import LogColumns
 
 _VIRTUAL = 1e-3
 """No cycle is later on a virtual clock, by rounding; on a real one some are, µs."""
@@ -27,11 +29,9 @@ def draw_timing(run: RunData) -> "Figure | None":
     lateness = run.log.column("timing.lateness") * 1e6
     is_virtual = float(lateness.max()) < _VIRTUAL
     first = _COMPILING if is_virtual and len(lateness) > 2 * _COMPILING else 0
-    times = stage_times(run.log)[first:] * 1e6
     rows = np.arange(len(STAGES))
-    share = times.sum(axis=0) / max(float(times.sum()), 1e-12)
-    median, p99 = np.percentile(times, [50.0, 99.0], axis=0)
-    longest = times.max(axis=0)
+    sums, median, p99, longest = np.array([_summed_up(run.log, s, first) for s in STAGES]).T
+    share = sums / max(float(sums.sum()), 1e-12)
     left.hlines(rows, median, longest, color="#c9d3dc", lw=2.2, zorder=1)
     left.plot(median, rows, "o", color=BLUE, ms=4, label="median")
     left.plot(p99, rows, "|", color=INK, ms=8, mew=1.2, label="99 %")
@@ -46,7 +46,7 @@ def draw_timing(run: RunData) -> "Figure | None":
     left.set_ylabel("stage and its share")
     place_legend(left, 3)
 
-    work = times.sum(axis=1)
+    work = work_times(run.log)[first:] * 1e6
     period = float(np.median(work + run.log.column("timing.slack")[first:] * 1e6))
     top = max(float(work.max()), period)
     late = lateness[:0] if is_virtual else lateness[lateness > 0.0]
@@ -69,6 +69,13 @@ def draw_timing(run: RunData) -> "Figure | None":
     right.set_ylabel("cycles")
     place_legend(right, 3)
     return figure
+
+
+def _summed_up(log: "LogColumns", stage: str, first: int) -> tuple[float, float, float, float]:
+    """Return sum, median, 99 % and maximum of a stage's times from a cycle on, µs."""
+    times = log.column(f"timing.{stage}")[first:] * 1e6
+    median, p99 = np.percentile(times, [50.0, 99.0])
+    return float(times.sum()), float(median), float(p99), float(times.max())
 
 
 TIMING_FIGURES = {

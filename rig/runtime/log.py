@@ -84,6 +84,20 @@ class Log(NamedTuple):
         """Return the names of the columns that start with `prefix`, in order."""
         return tuple(c.name for c in self.columns if c.name.startswith(prefix))
 
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+        return len(self.t)
+
+    def pieces(self, name: str) -> "Iterator[NDArray[np.uint64] | NDArray[np.float64]]":
+        """Yield ``cycle``, ``t``, ``stamp`` or a column by its name: here in one piece."""
+        if name in self:
+            yield self.column(name)
+        elif name == "t":
+            yield self.t
+        else:
+            yield {"cycle": self.cycle, "stamp": self.stamp}[name]
+
 
 def no_such_column(name: str, columns: Sequence[Column]) -> LogError:
     """Return the error that a log has other columns than the one asked for."""
@@ -257,7 +271,11 @@ def read_log(path: str | Path) -> Log:
     LogError
         See `LogFile`.
     """
-    file = LogFile(path)
+    return whole_log(LogFile(path))
+
+
+def whole_log(file: LogFile) -> Log:
+    """Read what is left of a log whole; LogError if it is damaged."""
     cycle, t = np.empty(file.room, np.uint64), np.empty(file.room)
     values, stamp = np.empty((file.room, len(file.columns))), np.empty(file.room, np.uint64)
     end = 0

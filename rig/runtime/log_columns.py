@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from rig.hal.columns import Column
-from rig.runtime.log import LogFile, no_such_column, read_log
+from rig.runtime.log import LogFile, no_such_column, whole_log
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,6 +28,8 @@ _SHORT = 64 << 20
 _NUMBER_SIZE = 8
 _OF_ALL = ("cycle", "t", "stamp")
 """Fields of a row beside its columns; they are laid first."""
+_PIECE = 1 << 19
+"""Numbers of a column that are read in one go where it is not wanted whole."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EFBIG)
 
 
@@ -62,6 +64,13 @@ class LogColumns(Protocol):
     def names(self, prefix: str) -> tuple[str, ...]:
         """Return the names of the columns that start with `prefix`, in order."""
 
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+
+    def pieces(self, name: str) -> "Iterator[NDArray[np.uint64] | NDArray[np.float64]]":
+        """Yield ``cycle``, ``t``, ``stamp`` or a column by its name, one stretch after another."""
+
 
 def read_columns(path: str | Path) -> LogColumns:
     """Read a log, in memory that does not grow with its columns.
@@ -77,12 +86,16 @@ def read_columns(path: str | Path) -> LogColumns:
     LogError
         See `LogFile`.
     """
-    file = LogFile(path)
+    return columns_of(LogFile(path))
+
+
+def columns_of(file: LogFile) -> LogColumns:
+    """Return the columns of a log that has been opened; see `read_columns`."""
     if file.room * file.record.itemsize > _SHORT:
-        for folder in (Path(path).parent, Path(tempfile.gettempdir())):
+        for folder in (file.path.parent, Path(tempfile.gettempdir())):
             with _skipped_if_full():
                 return FiledColumns(file, folder)
-    return read_log(path)
+    return whole_log(file)
 
 
 @contextlib.contextmanager
@@ -163,6 +176,32 @@ class FiledColumns:
         """Return the names of the columns that start with `prefix`, in order."""
         return tuple(c.name for c in self.columns if c.name.startswith(prefix))
 
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+        return self._count
+
+    def pieces(self, name: str) -> "Iterator[NDArray[np.uint64] | NDArray[np.float64]]":
+        """Yield ``cycle``, ``t``, ``stamp`` or a column by its name, one stretch after another.
+
+        Raises
+        ------
+        LogError
+            There is no such column.
+        """
+        place = self._places.get(name)
+        is_whole_number = place is None and name in ("cycle", "stamp")
+        if place is None:
+            if name not in _OF_ALL:
+                raise no_such_column(name, self.columns)
+            place = _OF_ALL.index(name)
+        for start in range(0, self._count, _PIECE):
+            count = min(_PIECE, self._count - start)
+            if is_whole_number:
+                yield self._read(place, np.uint64, start, count)
+            else:
+                yield self._read(place, np.float64, start, count)
+
     def _put(self, place: int, values: "NDArray[np.generic]") -> None:
         offset = _NUMBER_SIZE * (place * self._room + self._count)
         left = memoryview(values.tobytes())
@@ -170,10 +209,13 @@ class FiledColumns:
             taken = os.pwrite(self._store, left, offset)
             left, offset = left[taken:], offset + taken
 
-    def _read(self, place: int, kind: "type[Number]") -> "NDArray[Number]":
-        found = np.empty(self._count, kind)
+    def _read(
+        self, place: int, kind: "type[Number]", start: int = 0, count: int | None = None
+    ) -> "NDArray[Number]":
+        found = np.empty(self._count if count is None else count, kind)
         # Not by the file's own position: processes that draw figures share it.
-        left, offset = found.view(np.uint8).data, _NUMBER_SIZE * place * self._room
+        left = found.view(np.uint8).data
+        offset = _NUMBER_SIZE * (place * self._room + start)
         while left:
             taken = os.preadv(self._store, [left], offset)
             left, offset = left[taken:], offset + taken

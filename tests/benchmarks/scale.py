@@ -1,7 +1,9 @@
 """How costs grow: devices on a bus, channels in a log, length of a run. Prints a table, draws it.
 
     python tests/benchmarks/scale.py [--figure .readme/scale.png]
-    python tests/benchmarks/scale.py --only report --minutes 1 600    # 12 GB of disk for a while
+    python tests/benchmarks/scale.py --only report npz --minutes 1 600 --discard
+
+Ten hours take 25 GB of disk for a while, and as much again for what is exported without --discard.
 
 Processor time each, so that neighbours of this machine matter little; the least of a few rounds.
 Slopes are those of straight lines through the logarithms: 1 is linear.
@@ -9,6 +11,7 @@ Slopes are those of straight lines through the logarithms: 1 is linear.
 
 import argparse
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -54,8 +57,8 @@ spent += sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 print(spent, most / 1024)
 """
 WORKS = {
-    "export --format csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[1] + '/out.csv')",
-    "export --format npz": "rig.export.export_run(sys.argv[1], 'npz', sys.argv[1] + '/out.npz')",
+    "csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[2])",
+    "npz": "rig.export.export_run(sys.argv[1], 'npz', sys.argv[2])",
     "report": "rig.report.regenerate.write_report(sys.argv[1])",
 }
 
@@ -135,14 +138,17 @@ def lengthen(source, folder, minutes):
     return folder
 
 
-def length_costs(folder, works, lengths):
-    """Return time (s) and memory (MB) of what is done with a run, by its minutes."""
+def length_costs(folder, works, lengths, out=None):
+    """Return time (s) and memory (MB) of what is done with a run, by its minutes.
+
+    What is exported goes into the run's folder, and is taken away, or to `out`.
+    """
     source = rig.run("cylinder-sine", on="sim", report=False, out=folder / "runs").path
     found = {name: [] for name in works}
     for minutes in lengths:
         long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
         for name, work in works.items():
-            words = [sys.executable, "-c", ONE.format(work=work), str(long)]
+            words = [sys.executable, "-c", ONE.format(work=work), str(long), out or f"{long}/out"]
             done = subprocess.run(words, capture_output=True, text=True, check=False)
             if done.returncode:
                 say(f"{name}, {minutes} min: {done.stderr.strip().splitlines()[-1]}")
@@ -150,8 +156,7 @@ def length_costs(folder, works, lengths):
             else:
                 found[name].append(tuple(map(float, done.stdout.split()[-2:])))
             say(f"{name}, {minutes} min: {found[name][-1][0]:.1f} s, {found[name][-1][1]:.0f} MB")
-            for left in long.glob("out.*"):
-                left.unlink()
+            (long / "out").unlink(missing_ok=True)
         shutil.rmtree(long)
     return found
 
@@ -193,7 +198,10 @@ def main():
     """Measure, and say it."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--figure", type=Path, help="where the curves are drawn")
-    parser.add_argument("--only", choices=WORKS, help="one work, over the length of a run alone")
+    parser.add_argument(
+        "--only", choices=WORKS, nargs="+", help="these alone, over the length of a run"
+    )
+    parser.add_argument("--discard", action="store_true", help="export to nowhere")
     parser.add_argument(
         "--minutes", type=int, nargs="+", default=MINUTES, help="lengths of the run; 600 are 12 GB"
     )
@@ -203,7 +211,9 @@ def main():
     with tempfile.TemporaryDirectory(dir=asked.folder) as name:
         folder = Path(name)
         if asked.only is not None:
-            costs = length_costs(folder, {asked.only: WORKS[asked.only]}, asked.minutes)
+            works = {name: WORKS[name] for name in asked.only}
+            out = os.devnull if asked.discard else None
+            costs = length_costs(folder, works, asked.minutes, out)
             tell_lengths(asked.minutes, costs)
             return
         cycles, logs = cycle_costs(folder), log_costs(folder)

@@ -47,6 +47,20 @@ def test_columns_in_a_file_are_those_of_the_log(path):
 
 
 @pytest.mark.usefixtures("_every_log_is_long")
+def test_pieces_of_a_column_are_the_column(path, monkeypatch):
+    monkeypatch.setattr(log_columns, "_PIECE", 7_001)
+    filed, whole = read_columns(path), read_log(path)
+    assert filed.rows == whole.rows == 60_000
+    for name in ("cycle", "t", "stamp", "reading.b"):
+        pieces, (all_of_it,) = list(filed.pieces(name)), whole.pieces(name)
+        assert max(map(len, pieces)) == 7_001
+        assert all(piece.dtype == all_of_it.dtype for piece in pieces)
+        np.testing.assert_array_equal(np.concatenate(pieces), all_of_it)
+    with pytest.raises(LogError, match=r"no column 'x'"):
+        next(filed.pieces("x"))
+
+
+@pytest.mark.usefixtures("_every_log_is_long")
 def test_nothing_is_left_beside_the_log(path):
     filed = read_columns(path)
     assert filed.column("phase")[-1] == 59_999 % 3
