@@ -1,7 +1,7 @@
 """What profiles and experiments may name, as the loader and the program ask for it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rig.assembly.contract_check import (
     check_class,
@@ -23,7 +23,7 @@ from rig.assembly.offered import (
 )
 from rig.assembly.rows import load
 from rig.config.named_settings import Kind
-from rig.config.settings import adapter
+from rig.config.settings import validator
 from rig.hal import (
     ConfigurationError,
     ContractBroken,
@@ -105,7 +105,7 @@ class InstalledParts:
         what = f"{kind} {name}: {path}"
         check_settings(what, found, _SETTINGS_OF.get(kind, object))
         try:
-            adapter(cast("type", found))
+            validator(found)
         except Exception as error:  # of the types that somebody has annotated
             raise ContractBroken(f"{what}: {error}") from error
         return found

@@ -1,4 +1,6 @@
-"""How costs grow: devices on a bus, channels in a log, length of a run. Prints a table, draws it.
+"""How costs grow: a bus's devices, a log's channels, a run's length, a sweep's points and workers.
+
+Prints a table, and draws it.
 
     python tests/benchmarks/scale.py [--figure .readme/scale.png]
     python tests/benchmarks/scale.py --only report npz --minutes 1 600 --discard
@@ -20,6 +22,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import test_sweep_cost
 from bench_rig import armed_rig, run
 from test_cycle_cost import CycleCosts
 from test_log_cost import record
@@ -33,14 +36,31 @@ from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.run_facts import EVALUATION
 from rig.runtime.log import read_log
 from rig.runtime.recorder import LogRecorder
+from rig.sweeping.engine import WorkerSetup
+from rig.sweeping.pool import Pool
 
-ENCODERS = (0, 1, 3, 5, 7, 10)
+ENCODERS = (0, 1, 5, 13, 21, 29)
 """Beside the three devices of the pair, all on one bus of 1 Mbit/s."""
-RATE = 250.0
-"""Of that loop, Hz. Beyond 13 devices the bus is full, and the profile refused."""
+SLOW = (
+    "loop.rate=100 Hz",
+    "controllers.cascade.position_rate=20",
+    "controllers.cascade.velocity_rate=30",
+    "controllers.cascade.integral=300",
+    "controllers.cascade.observer_bandwidth=200",
+    "controllers.cascade.lead_bandwidth=60",
+    "controllers.cascade.disturbance_gain=0",
+    "cylinder.limits.following=15 mm",
+)
+"""That loop: a bus that carries 32 devices carries no more a second, and so slow a loop bears only
+soft gains. At 250 Hz the bus is full at 13 devices, and a profile with more is refused."""
 CHANNELS = (10, 30, 100, 300, 1000)
 MINUTES = (1, 4, 15, 60)
 """Of a run at 1 kHz, whose log has the columns of the pair's."""
+POINTS = (10, 100, 1000, 10_000)
+"""Of a sweep, which cost nothing themselves."""
+WORKERS = (1, 2, 4, 8, 16)
+WAITING = 32
+"""Points of a second each, for which they wait: what is shared out is not this machine's work."""
 ROUNDS = 3
 ONE = """
 import resource, sys, time
@@ -86,7 +106,7 @@ def cycle_costs(folder):
             "max_speed: 1 m/s}"
             for k in range(count)
         ]
-        words = [f"loop.rate={RATE:g} Hz", *more]
+        words = [*SLOW, *more]
         profile = load_profile("cylinder", REGISTRY, words, find_configs())
         best = np.inf
         for number in range(ROUNDS):
@@ -161,11 +181,49 @@ def length_costs(folder, works, lengths, out=None):
     return found
 
 
-def draw(path, cycles, logs, lengths):
+def point_costs(folder):
+    """Return processor time of a sweep (s) and memory (MB), by its points."""
+    found = []
+    for count in POINTS:
+        words = [
+            sys.executable,
+            test_sweep_cost.__file__,
+            str(folder / f"points-{count}"),
+            str(count),
+        ]
+        done = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+        found.append((float(done[-2]), float(done[-1]) / 1024))
+    return found
+
+
+def worker_costs(folder):
+    """Return how many points of a second a sweep goes through in one, by its workers."""
+    found = []
+    for count in WORKERS:
+        engine = Pool(count, WorkerSetup("test_sweep_cost:perform_waiting"))
+        test_sweep_cost.sweep_through(engine, folder / f"warm-{count}", 2 * count)
+        spent = test_sweep_cost.sweep_through(engine, folder / f"workers-{count}", WAITING)
+        engine.close()
+        found.append(WAITING / spent)
+    return found
+
+
+def tell_sweeps(points, workers):
+    """Say what `point_costs` and `worker_costs` found."""
+    row = "  ".join(
+        f"{n}: {1e3 * s / n:.2f} ms, {mb:.0f} MB" for n, (s, mb) in zip(POINTS, points, strict=True)
+    )
+    say(f"a point of a sweep, by points: {row}; slope {slope(POINTS, [s for s, _ in points]):.2f}")
+    row = "  ".join(f"{n}: {rate:.2f}" for n, rate in zip(WORKERS, workers, strict=True))
+    say(f"points of a second, a second, by workers: {row}; slope {slope(WORKERS, workers):.2f}")
+
+
+def draw(path, cycles, logs, minutes, lengths, points, workers):
     """Draw the curves."""
     from matplotlib import pyplot
 
-    figure, axes = pyplot.subplots(1, 4, figsize=(14, 3.6), layout="constrained")
+    figure, axes = pyplot.subplots(2, 3, figsize=(12, 6.6), layout="constrained")
+    axes = axes.ravel()
     for axis, (x, y), what in (
         (axes[0], cycles, "devices on a bus"),
         (axes[1], logs, "channels of a log"),
@@ -174,11 +232,16 @@ def draw(path, cycles, logs, lengths):
         axis.set(xlabel=what, ylabel="us a cycle", ylim=(0, None))
     for name, rows in lengths.items():
         seconds, memory = np.array(rows).T
-        axes[2].plot(MINUTES, seconds, "o-", label=name)
-        axes[3].plot(MINUTES, memory, "o-", label=name)
+        axes[2].plot(minutes, seconds, "o-", label=name)
+        axes[3].plot(minutes, memory, "o-", label=name)
     axes[2].set(xlabel="length of a run at 1 kHz, min", ylabel="s", xscale="log", yscale="log")
     axes[3].set(xlabel="length of a run at 1 kHz, min", ylabel="MB", xscale="log", ylim=(0, None))
     axes[2].legend()
+    each = [1e3 * spent / count for count, (spent, _) in zip(POINTS, points, strict=True)]
+    axes[4].plot(POINTS, each, "o-")
+    axes[4].set(xlabel="points of a sweep", ylabel="ms a point", xscale="log", ylim=(0, None))
+    axes[5].plot(WORKERS, workers, "o-")
+    axes[5].set(xlabel="workers of a sweep", ylabel="points of a second, a second")
     for axis in axes:
         axis.grid(alpha=0.3)
     figure.savefig(path, dpi=110)
@@ -220,10 +283,12 @@ def main():
         for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
             row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
             say(f"{what}: {row}; slope {slope(x, y):.2f}")
-        lengths = length_costs(folder, WORKS, MINUTES)
-    tell_lengths(MINUTES, lengths)
+        points, workers = point_costs(folder), worker_costs(folder)
+        tell_sweeps(points, workers)
+        lengths = length_costs(folder, WORKS, asked.minutes)
+    tell_lengths(asked.minutes, lengths)
     if asked.figure is not None:
-        draw(asked.figure, cycles, logs, lengths)
+        draw(asked.figure, cycles, logs, asked.minutes, lengths, points, workers)
     say(f"it took {time.monotonic() - began:.0f} s")
 
 

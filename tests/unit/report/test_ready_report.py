@@ -10,6 +10,7 @@ import os, signal, sys, time
 from pathlib import Path
 from rig.report import ready
 from rig.report.ready import ReadyReporter
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job may ignore it
 run, way = Path(sys.argv[1]), sys.argv[2]
 at_hand = ready.written
 def written(path):
