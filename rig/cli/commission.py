@@ -29,13 +29,12 @@ from rig.cli.tables import Table, print_data, print_tables
 from rig.terminals import is_terminal
 
 if TYPE_CHECKING:
-    from rig.assembly import Backend, Rig
+    from rig.assembly import Rig
     from rig.commissioning.operator import Operator
     from rig.commissioning.site import Site
     from rig.commissioning.step import AcceptanceStep
     from rig.commissioning.stopping import StepInterrupts
     from rig.config import Profile
-    from rig.hal.world import BreakableWorld
 
 EXIT_FAILED = 3
 _UNDER_WAY = 20e-3
@@ -176,11 +175,12 @@ def _keep(command: str, runs: Path, stopped: str) -> None:
 def _site(profile: Profile, options: _Options, stop: StepInterrupts) -> Site:
     """Return where the steps are taken; whatever closes a rig there is not interrupted."""
     from rig.assembly import Backend, backend_of, build_rig
+    from rig.cli.stop_hands import world_on
     from rig.commissioning.site import Site
 
     on, backend = options["on"], backend_of(options["on"])
     other = None if on in list(Backend) else on
-    hands = _hands(profile, backend, other)
+    hands = world_on(profile, backend, other)
 
     def make_rig(its: Profile) -> Rig:
         rig = _rested(build_rig(its, backend, other))
@@ -189,16 +189,6 @@ def _site(profile: Profile, options: _Options, stop: StepInterrupts) -> Site:
 
     operator = _operator(backend.is_simulated or hands is not None, options["answers"])
     return Site(profile, make_rig, operator, options["out"], other, hands)
-
-
-def _hands(profile: Profile, backend: Backend, on: str | None) -> BreakableWorld | None:
-    """Return the world that another process simulates, if it does."""
-    from rig.assembly import Backend, parse_interfaces
-    from rig.assembly.simulation_process import reach_world
-
-    if backend is not Backend.VCAN:
-        return None
-    return reach_world(parse_interfaces(on or backend.value, profile))
 
 
 def _operator(is_simulated: bool, answers: Path | None) -> Operator:

@@ -13,6 +13,7 @@ from rig.cli.tables import print_json
 
 if TYPE_CHECKING:
     from rig.assembly import Rig
+    from rig.cli.stop_hands import StopHands
 
 _LOOK_EVERY = 0.02
 """s; nobody presses and releases a mushroom button in less than twice of it."""
@@ -22,7 +23,8 @@ _LOOK_EVERY = 0.02
 @click.argument("rig", shell_complete=complete_rig)
 @click.option(
     "--on", "on", type=OnBackend(), default="hardware", show_default=True,
-    help="Where the emergency stop is read, as for `rig run`.",
+    help="Where the emergency stop is read, as for `rig run`; elsewhere than on hardware it is a "
+    "rehearsal.",
 )  # fmt: skip
 @click.option(
     "--wait", type=click.FloatRange(min=0), default=60.0, show_default=True, metavar="SECONDS",
@@ -44,24 +46,38 @@ def reset(
     """Reset the latched fault of RIG, which keeps it from being run on hardware.
 
     Whoever resets stands beside the rig: its emergency stop is to be pressed and released. A rig
-    without a contact asks for its name.
+    without a contact asks for its name. In simulation that is rehearsed: simulated hands press and
+    release the stop, unless simulation.faults does, and nothing is latched or reset.
     """
     from rig.assembly import REGISTRY, Backend, backend_of, build_rig
+    from rig.cli.stop_hands import hands_at
     from rig.config import load_profile
     from rig.config.names import find_configs
     from rig.experiment.fault_latch import FaultLatch
 
-    if backend_of(on) is not Backend.HARDWARE:
-        raise click.BadParameter("only hardware has a fault that is latched.", param_hint="--on")
+    backend = backend_of(on)
+    other = None if on in list(Backend) else on
     profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
     latch = FaultLatch(profile.name)
     reason = latch.reason()
     code = 0
+    if backend is not Backend.HARDWARE:
+        made = build_rig(profile, backend, other)
+        code = _ask(made, profile.name, yes, wait, hands_at(made, other))
+        if code == 0:
+            click.echo(
+                f"a rehearsal on {on}: on hardware this resets {profile.name}; "
+                f"{'it has no latched fault' if reason is None else 'it stays latched'}", err=True,
+            )  # fmt: skip
+        if as_json:
+            print_json({"rig": profile.name, "was_latched": reason,
+                        "is_latched": reason is not None, "rehearsed": code == 0})  # fmt: skip
+        return code
     if reason is None:
         click.echo(f"{profile.name} has no latched fault", err=True)
     else:
         click.echo(f"{profile.name} is latched: {reason}", err=True)
-        made = build_rig(profile, Backend.HARDWARE, None if on in list(Backend) else on)
+        made = build_rig(profile, Backend.HARDWARE, other)
         code = _ask(made, profile.name, yes, wait)
         if code == 0:
             latch.clear()
@@ -71,7 +87,7 @@ def reset(
     return code
 
 
-def _ask(made: Rig, name: str, yes: str | None, wait: float) -> int:
+def _ask(made: Rig, name: str, yes: str | None, wait: float, hands: StopHands | None = None) -> int:
     """Have the operator show that somebody stands beside the rig; return the exit code."""
     from rig.cli.confirm import NotConfirmed, confirm
 
@@ -81,23 +97,36 @@ def _ask(made: Rig, name: str, yes: str | None, wait: float) -> int:
         except NotConfirmed as error:
             click.echo(error, err=True)
             return 2
-    if _pressed_and_released(made, wait):
+    lack = _wait_for_edge(made, wait, hands)
+    if lack is None:
         return 0
-    click.echo(f"the emergency stop was not pressed and released within {wait:g} s", err=True)
+    click.echo(lack, err=True)
     return 3
 
 
-def _pressed_and_released(made: Rig, wait: float) -> bool:
-    """Wait for a rising edge: the circuit is seen open, and closed after that."""
+def _wait_for_edge(made: Rig, wait: float, hands: StopHands | None) -> str | None:
+    """Wait for the circuit to be seen open, and closed after that; return what did not come."""
+    seen: bool | None = None
+    was_open = False
     with made.watching_stop() as is_pressed:
         clock = made.clock
-        deadline = clock.now() + wait
+        start = clock.now()
         click.echo("press the emergency stop, and release it", err=True)
-        was_open = False
-        while clock.now() < deadline:
+        while clock.now() < start + wait:
+            if hands is not None:
+                hands.act(clock.now() - start)
             pressed = is_pressed()
             if was_open and pressed is False:
-                return True
+                return None
             was_open = was_open or pressed is True
+            seen = seen if pressed is None else pressed
             clock.sleep_until(clock.now() + _LOOK_EVERY)
-    return False
+    missing = f"the emergency stop was not pressed and released within {wait:g} s"
+    if was_open:
+        return (
+            f"{missing}: it is pressed, and nobody has released it: turn or pull its button, and "
+            "say the same again; if it is released, its circuit is open: a wire is off"
+        )
+    if seen is None:
+        return f"{missing}: the device that reads it has told nothing of it"
+    return f"{missing}: its circuit was closed all the time"

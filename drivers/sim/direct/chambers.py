@@ -75,6 +75,12 @@ class SimulatedChambers(SimulatedDevice, EmergencyStopInput):
         """Return whether the stop was pressed in the cycle before."""
         return self._stop
 
+    def look(self) -> None:
+        """Look at the contact while no loop does."""
+        now = self._clock.now()
+        if now >= self._silent_until:
+            self._stop = _new(Reading, (self._stopped, now))
+
     def was_pressed(self) -> bool:
         """Return whether the stop was pressed since `connect`."""
         return self._was_stopped
