@@ -7,20 +7,13 @@ from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points, version
 from pathlib import Path
 from types import ModuleType
-from typing import Final, TypedDict
+from typing import Final
 
 from rig.hal.fits import OWN
+from rig.run_facts import PlugIn
 
 GROUPS: Final = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
 """Of the entry points by which other packages offer theirs."""
-
-
-class PlugIn(TypedDict):
-    """A package of others, as the manifest of a run names it."""
-
-    distribution: str | None
-    version: str | None
-    sha256: str
 
 
 def plug_ins() -> dict[str, PlugIn]:

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TypedDict
+
+from rig.run_facts import GitState
 
 PACKAGES = (
     "rig-controller",
@@ -32,13 +33,6 @@ _GIT_TIMEOUT = 2.0
 
 _OURS = ("rig", "drivers", "controllers", "configs")
 """Folders of a checkout in which a file that git does not know may shape a run: a new profile."""
-
-
-class GitState(TypedDict):
-    """A checkout: its commit, and whether files differ from it or a run may use others."""
-
-    commit: str
-    dirty: bool
 
 
 def git_state(directory: Path | None = None) -> GitState | None:

@@ -10,8 +10,6 @@ from typing import Final, NotRequired, Required, TypedDict
 
 from rig.hal import ConfigurationError
 from rig.hal.files import read_regular
-from rig.plug_ins import PlugIn
-from rig.provenance import GitState
 from rig.typed_json import MOST, checked, parse, read_json
 
 FORMAT: Final = 1
@@ -41,6 +39,21 @@ class RunStatus(StrEnum):
     FAULTED = "faulted"
     CRASHED = "crashed"
     """A bug ended it, or the process died; the log holds what had happened until then."""
+
+
+class GitState(TypedDict):
+    """A checkout: its commit, and whether files differ from it or a run may use others."""
+
+    commit: str
+    dirty: bool
+
+
+class PlugIn(TypedDict):
+    """A package of others, as the manifest of a run names it."""
+
+    distribution: str | None
+    version: str | None
+    sha256: str
 
 
 class Manifest(TypedDict, total=False):

@@ -127,12 +127,12 @@ def _values(run: RunEntry) -> dict[str, tuple[float, str]]:
 
 def list_configs(folder: Folder, search: Sequence[Path]) -> list[ConfigEntry]:
     """Return name, description and file of every rig or experiment, valid or not."""
+    from rig.cli.descriptions import descriptions_of
     from rig.config.names import list_files
 
-    return [
-        ConfigEntry(name, _description(path), str(path))
-        for name, path in list_files(folder, search).items()
-    ]
+    files = list_files(folder, search)
+    said = descriptions_of(files.values())
+    return [ConfigEntry(name, said[path], str(path)) for name, path in files.items()]
 
 
 def describe_run(path: Path) -> RunEntry:
@@ -176,18 +176,6 @@ def _headline(metrics: Sequence[MetricRow]) -> MetricRow | None:
             if metric.get("pass") is wanted:
                 return metric
     return None
-
-
-def _description(path: Path) -> str:
-    from rig.config.yaml_loader import read_plain
-    from rig.hal import ConfigurationError
-
-    try:
-        content = read_plain(path)
-    except ConfigurationError:
-        return f"cannot be read; see `rig check {path}`"
-    text = content.get("description", "") if isinstance(content, dict) else ""
-    return " ".join(str(text).split())
 
 
 def _run_row(run: RunEntry) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
 
-from rig.config.diagnostics import nearest
 from rig.hal import ConfigurationError
 from rig.hal.files import is_file, is_folder, reason_unread
 
@@ -119,6 +118,8 @@ def nearest_file(path: Path) -> Path | None:
 
 def nearest_of_all(name: str, names: Iterable[str]) -> str | None:
     """Return a hint as `nearest` does; a file here may be more like a wrong name than any name."""
+    from rig.config.diagnostics import nearest  # slow to import, and needed for a wrong name only
+
     here = _files_beside(Path(name))
     files = {path.stem: path for path in here.values()} | here
     close = difflib.get_close_matches(name[:_LONGEST], [*names, *files], n=1)
