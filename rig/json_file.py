@@ -2,10 +2,9 @@
 
 import json
 import math
+import sys
 from collections.abc import Mapping
 from pathlib import Path
-
-import numpy as np
 
 from rig.whole_file import write_whole
 
@@ -32,6 +31,7 @@ def plain(value: object) -> object:
         return value if math.isfinite(value) else None
     if value is None or isinstance(value, bool | int | str):
         return value
-    if isinstance(value, np.generic | np.ndarray):
+    numpy = sys.modules.get("numpy")  # without it there is nothing of its kinds
+    if numpy is not None and isinstance(value, numpy.generic | numpy.ndarray):
         return plain(value.tolist())
     return str(value)

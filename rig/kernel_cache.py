@@ -2,6 +2,7 @@
 
 import os
 import stat
+import tempfile
 from pathlib import Path
 
 _NAME = "NUMBA_CACHE_DIR"
@@ -18,8 +19,6 @@ def keep_kernels() -> None:
     # What is kept there runs: a relative one would be whoever's this working folder is.
     if _at_home().is_absolute() and _is_writable(_at_home()):
         return
-    import tempfile  # with all that draws at random
-
     folder = Path(tempfile.gettempdir(), f"rig-kernels-{os.getuid()}")
     try:
         folder.mkdir(mode=0o700, exist_ok=True)

@@ -30,7 +30,7 @@ from rig.run_facts import (
     read_manifest,
     read_metrics,
 )
-from rig.runtime.log import is_locked
+from rig.runtime.file_lock import is_locked
 from rig.spare_room import SpareRoom, append_line
 from rig.typed_json import read_json
 from rig.whole_file import refuse_link

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from rig.calibration.instruments import Instrument, Readings, made_to, parse_reading
-from rig.config.quantities import UnitError
+from rig.calibration.instruments import Instrument, Readings, made_to
+from rig.config.quantities import UnitError, parse_reading
 from rig.hal import ConfigurationError
 from rig.hal.files import read_regular
 

@@ -5,7 +5,6 @@ instrument does it: it looks at the plant through the truth that the log of a si
 with an error of its own, and the identification is given its readings and nothing else.
 """
 
-import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rig.calibration.recording import TRUTH, CalibrationRefused
-from rig.config.quantities import UnitError, parse_quantity
+from rig.config.quantities import UnitError, parse_reading
 from rig.experiment.metrics import Evaluation, evaluation_from_json
 from rig.run_facts import EVALUATION
 from rig.run_folder import RunFolder
@@ -128,20 +127,3 @@ def shown_in(
             f"{lack} in {len(lacking)} of {len(stretches)} {of}, first in {lacking[0]!r}"
         )
     return [shown[stretch] for stretch in stretches]
-
-
-def parse_reading(text: str, unit: str) -> float:
-    """Return a reading in SI, from a number or a quantity with its unit.
-
-    Raises
-    ------
-    UnitError
-        It is neither, or the unit measures something else.
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        value = parse_quantity(text.strip(), unit)
-    if not math.isfinite(value):
-        raise UnitError(f"{text.strip()} is no reading")
-    return value

@@ -72,8 +72,6 @@ def check(
         experiment_tables,
         profile_tables,
     )
-    from rig.cli.loops import advice, describe_loop
-    from rig.experiment.frozen import longest_freeze
 
     profile, plan = load(source, with_seed(overrides, seed), configs, rig_name)
     if values is not None:
@@ -97,6 +95,9 @@ def check(
         content: dict[str, object] = {"profile": described}
         tables = profile_tables(described)
     else:
+        from rig.cli.loops import describe_loop
+        from rig.experiment.frozen import longest_freeze
+
         experiment = describe_experiment(plan)
         experiment["loop"] = describe_loop(plan)
         bound = longest_freeze(plan, partial(click.echo, err=True))
@@ -111,13 +112,19 @@ def check(
         print_tables(tables)
         for warning in warnings:
             click.echo(f"warning: {warning}", err=True)
-        told = say_untried(profile) if plan is None else advice(plan)
+        told = say_untried(profile) if plan is None else _advice(plan)
         if told is not None and not any(told in sentence for sentence in refused):
             click.echo(told, err=True)
         click.echo(f"{source}: valid", err=True)
         for sentence in refused:
             click.echo(f"hardware would refuse it: {sentence}", err=True)
     return 0
+
+
+def _advice(plan: Plan) -> str | None:
+    from rig.cli.loops import advice
+
+    return advice(plan)
 
 
 def _on_bus(on: str) -> str:

@@ -59,7 +59,7 @@ def refusals_of_plan(plan: Plan, bound: Freeze | NoBound) -> Iterator[str]:
 
 def say_untried(profile: Profile) -> str | None:
     """Say what of a profile an experiment alone can tell; None: nothing of it acts by itself."""
-    from rig.experiment.frozen import slowest_device
+    from rig.experiment.slowest import slowest_device
     from rig.hal.formats import format_quantity
 
     slowest = slowest_device(profile)

@@ -198,7 +198,8 @@ def describe_frozen(plan: Plan, bound: Freeze | NoBound) -> dict[str, Any]:
     bound : Freeze or NoBound
         What `longest_freeze` has found of it.
     """
-    from rig.experiment.frozen import NoBound, slowest_device
+    from rig.experiment.frozen import NoBound
+    from rig.experiment.slowest import slowest_device
     from rig.hal import Freeze
 
     slowest = slowest_device(plan.profile)

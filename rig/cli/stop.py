@@ -71,6 +71,6 @@ def stop(
 def live_runs(runs: Path) -> list[Path]:
     """Return the folders of the runs that go on, newest first."""
     from rig.run_facts import EVENTS
-    from rig.runtime.log import is_locked
+    from rig.runtime.file_lock import is_locked
 
     return [path for path in list_runs(runs) if is_locked(path / EVENTS)]

@@ -1,17 +1,21 @@
 """Whether a run on hardware may use all that its profile permits: asked before it is opened."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rig.assembly import REGISTRY, Backend, check_profile, make_controller
 from rig.commissioning.derating import EFFORT, SPEED, SlowMotion, derated
 from rig.commissioning.record import CommissioningState, judge, load_record, whose
 from rig.commissioning.step import AcceptanceStep
 from rig.config import Profile, find_configs
-from rig.experiment.plan import Plan
 from rig.hal import ConfigurationError, DeviceError
+
+if TYPE_CHECKING:
+    from rig.experiment.plan import Plan
 
 
 class Permitted(NamedTuple):

@@ -302,3 +302,20 @@ def _convert(text: str, number: str, given: Unit, wanted: Unit) -> float:
     if not math.isfinite(approximate) or not math.isfinite(value):
         raise UnitError(f"{text.strip()!r} is not a finite number")
     return value
+
+
+def parse_reading(text: str, unit: str) -> float:
+    """Return a reading in SI, from a number or a quantity with its unit.
+
+    Raises
+    ------
+    UnitError
+        It is neither, or the unit measures something else.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = parse_quantity(text.strip(), unit)
+    if not math.isfinite(value):
+        raise UnitError(f"{text.strip()} is no reading")
+    return value

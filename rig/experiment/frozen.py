@@ -12,9 +12,9 @@ from time import perf_counter
 from typing import Any, NamedTuple, cast
 
 from rig.assembly import REGISTRY
-from rig.config import Profile
 from rig.experiment.excerpts import WHOLE, Excerpts, fastest
 from rig.experiment.plan import Plan
+from rig.experiment.slowest import slowest_device
 from rig.hal import DeviceError, Freeze, RestorablePlant
 from rig.hal.hazards import Hazard
 from rig.runtime.loop import Loop
@@ -45,32 +45,6 @@ class NoBound(NamedTuple):
     """The reason for which nothing can be said of frozen setpoints."""
 
     why: str
-
-
-class Slowest(NamedTuple):
-    """The device of a profile that acts last by itself when the program has died.
-
-    Parameters
-    ----------
-    device : str
-        Its name.
-    after : float
-        s.
-    """
-
-    device: str
-    after: float
-
-
-def slowest_device(profile: Profile) -> Slowest | None:
-    """Return the device that takes setpoints and acts last; None: no driver says of one."""
-    found = []
-    for name, entry in profile.devices.items():
-        bus = None if entry.bus is None else profile.buses[entry.bus].settings
-        after = entry.settings.acts_after(bus)
-        if after is not None:
-            found.append(Slowest(name, after))
-    return max(found, key=lambda one: one.after, default=None)
 
 
 def refuse_slow_devices(

@@ -111,6 +111,8 @@ def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[
     """
     content = folder.read_json(EVALUATION, Evaluation)
     segments, specs = evaluation_from_json(content)
+    if not specs:  # then nothing need be in the log
+        return [], []
     facts, constants = facts_from_json(content), constants_from_json(content)
     known, samples = known_measures(mechanism_of(folder)), Samples(log, constants)
     metrics: list[Metric] = []

@@ -1,6 +1,5 @@
 """Read the log of a run, finished or not."""
 
-import fcntl
 import os
 import struct
 import zlib
@@ -284,23 +283,6 @@ def whole_log(file: LogFile) -> Log:
         cycle[here], t[here], values[here] = rows["cycle"], rows["t"], rows["row"]
         stamp[here] = rows["stamp"]
     return Log(file.columns, cycle[:end], t[:end], values[:end], stamp[:end], file.complete)
-
-
-def is_locked(path: str | Path) -> bool:
-    """Return whether a living process holds the file (see `LogRecorder`); False if it is absent."""
-    try:
-        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe must not hold it up
-    except OSError:
-        return False
-    try:
-        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    finally:
-        os.close(fd)
-    return False
 
 
 def _read_preamble(path: Path, stream: BinaryIO) -> tuple[tuple[Column, ...], int, int | None]:

@@ -10,13 +10,12 @@ from rig.assembly import Backend
 from rig.assembly.simulated import make_plant
 from rig.experiment.frozen import (
     NoBound,
-    Slowest,
     longest_freeze,
     refuse_slow_devices,
-    slowest_device,
 )
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
+from rig.experiment.slowest import Slowest, slowest_device
 from rig.hal import DeviceError
 
 BRISK = (

@@ -132,7 +132,7 @@ def test_ctrl_c_is_no_failure_of_the_rig_and_keeps_what_has_passed(tmp_path, cap
     # As Ctrl-C while it is connected or moves: the run ends in order, and says so.
     with monkeypatch.context() as pressed:
         aborted = SimpleNamespace(exit_code=130, status=RunStatus.ABORTED, message="interrupted")
-        pressed.setattr("rig.commissioning.steps.motion.run_experiment", lambda *_, **__: aborted)
+        pressed.setattr("rig.experiment.run.run_experiment", lambda *_, **__: aborted)
         assert invoke(words) == 130
     told = capsys.readouterr().err
     assert "FAILED" not in told

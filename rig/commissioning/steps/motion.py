@@ -2,24 +2,20 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rig.assembly import Rig, check_profile, make_controller, plan_motion
 from rig.commissioning.derating import derated
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
-from rig.commissioning.steps.under_load import judge_load
 from rig.config import Experiment, Profile, ReferenceEntry, format_quantity
-from rig.experiment.ending import EXIT_INTERRUPTED
-from rig.experiment.plan import Plan
-from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal.motion import Motion
 from rig.run_facts import RunStatus
-from rig.runtime.log import read_log
 from rig.runtime.phases import Phase
+
+if TYPE_CHECKING:
+    from rig.experiment.plan import Plan
 
 _TUNED = "; if the rig swung, its gains are too high for it: `rig tune` looks for others"
 """What a fault of the first motion may have come from, beside the rig."""
@@ -119,6 +115,12 @@ class FirstMotion(AcceptanceStep):
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
+        # Commands that perform no step ask which there are, and this is slow to import.
+        from rig.commissioning.steps.under_load import judge_load
+        from rig.experiment.ending import EXIT_INTERRUPTED
+        from rig.experiment.run import run_experiment
+        from rig.runtime.log import read_log
+
         rig = site.make_rig(site.profile)
         rig.close()
         result = run_experiment(
@@ -132,7 +134,8 @@ class FirstMotion(AcceptanceStep):
         log = read_log(result.path / "log.mcap")
         runs = log.column("phase") == Phase.RUN
         columns, travel, unit, each = self._moved
-        went = {name: float(np.ptp(log.column(name)[runs])) for name in columns}
+        paths = {name: log.column(name)[runs] for name in columns}
+        went = {name: float(path.max() - path.min()) for name, path in paths.items()}
         judged = went if each else {"": max(went.values())}
         farthest = travel + max(travel, 2.0 * self._strays(site))  # on either side
         measured = []
@@ -144,7 +147,9 @@ class FirstMotion(AcceptanceStep):
         measured += judge_load(rig.profile, result.path, log)
         return StepResult(tuple(measured), {"run": str(result.path)})
 
-    def _plan(self, site: Site) -> Plan:
+    def _plan(self, site: Site) -> "Plan":
+        from rig.experiment.plan import Plan
+
         profile = derated(self._uncalibrated(site), is_first=True)
         check_profile(profile)
         planned = self._plan_motion(profile)

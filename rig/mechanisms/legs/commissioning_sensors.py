@@ -5,7 +5,6 @@ from functools import partial
 from math import degrees, radians
 from typing import Final
 
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
@@ -16,6 +15,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
+from rig.config.quantities import parse_reading
 from rig.hal import ConfigurationError, DevicePicker, HandledPlant, InertialSensor, LoadCells
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.legs.settings import LegsSettings

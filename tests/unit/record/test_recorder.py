@@ -14,7 +14,8 @@ from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from rig.hal.columns import Column, schema_text
-from rig.runtime.log import LogError, is_locked, read_log
+from rig.runtime.file_lock import is_locked
+from rig.runtime.log import LogError, read_log
 from rig.runtime.recorder import LogRecorder, RecorderError
 
 COLUMNS = (

@@ -2,9 +2,9 @@
 
 from typing import Final
 
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
+from rig.config.quantities import parse_reading
 from rig.hal import Vector
 from rig.mechanisms.pneumatic.commissioning.chambers import (
     SEEN,

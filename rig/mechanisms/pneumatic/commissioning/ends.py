@@ -5,13 +5,13 @@ from functools import partial
 from typing import Final
 
 from rig.assembly import REGISTRY
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.bench import StepBench
 from rig.commissioning.hands import EndToEnd
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.commissioning.steps.ends import Ends, watch_ends
+from rig.config.quantities import parse_reading
 from rig.hal import AiryPlant, DeviceFault, DevicePicker, LinearEncoder
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.settings import PneumaticSettings

@@ -3,7 +3,6 @@
 from math import log
 from typing import Final, NamedTuple
 
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -13,6 +12,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
+from rig.config.quantities import parse_reading
 from rig.hal import AiryPlant, Vector
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.commissioning.chambers import Chambers, energised, true_pressures

@@ -4,7 +4,6 @@ from functools import partial
 from typing import Final
 
 from rig.assembly import REGISTRY, Rig
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
@@ -15,6 +14,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
+from rig.config.quantities import parse_reading
 from rig.hal import ConfigurationError, DevicePicker, HandledPlant, LinearEncoder
 from rig.hal.world import BreakableWorld
 

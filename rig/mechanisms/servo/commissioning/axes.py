@@ -6,14 +6,13 @@ from math import ceil, degrees, radians
 from typing import Final, NamedTuple
 
 from rig.assembly import REGISTRY, Rig
-from rig.calibration.instruments import parse_reading
 from rig.commissioning.bench import StepBench
 from rig.commissioning.derating import gentle
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import require
 from rig.config import Profile
-from rig.config.quantities import UnitError
+from rig.config.quantities import UnitError, parse_reading
 from rig.hal import ConfigurationError, DevicePicker, ServoBus, Vector
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.servo.settings import ServoSettings
