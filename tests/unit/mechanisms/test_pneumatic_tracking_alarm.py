@@ -316,3 +316,44 @@ def test_the_bounds_themselves_are_allowed_and_named():
             watched.check((0.0,), (side * 2.5,), 3.0)
     _, said = zigzag([0.0, 1.0] * 5)
     assert said.endswith("[3 swings of more than 250 mm, or one of 10000 mm to either side]")
+
+
+def stepped(size, swing=0.0):
+    """Return what raised while a reference stepped at 0.5 s and the rod overshot by a share."""
+    place = 0.0
+
+    def error(t):
+        nonlocal place
+        late = t - 0.5
+        if late < 0.0:
+            return 0.0
+        place = size * (1.0 - math.exp(-late / 0.02)) + swing * math.sin(2.0 * math.pi * 5.0 * late)
+        return place - size
+
+    watched = watch()
+    return run(lambda t: size * (t >= 0.5), error, 1.6, watched), watched
+
+
+@pytest.mark.parametrize("size", [18e-3, -10e-3, 4e-3])
+def test_what_a_step_leaves_behind_is_no_swing_but_what_goes_on_is_one(size):
+    assert stepped(size)[0] is None
+    assert stepped(size, 2e-3)[0] is not None, "it goes on to swing"
+    watched = watch()
+    watched.check((0.0,), (0.0,), 0.0)
+    for t, error in ((0.01, -size), (0.03, 0.3 * size), (0.05, 0.0)):
+        watched.check((size,), (size + error,), t)  # it overshoots by a third, and comes back
+    assert "oscillates" not in watched.suspicion(0.05)
+
+
+def test_a_limit_that_is_exceeded_right_after_a_step_is_told_with_it():
+    watched = watch(names=("ch1", "ch2"))
+    watched.check((0.0, 0.0), (0.0, 0.0), 1.0)
+    watched.check((0.0, -18e-3), (0.0, 0.0), 1.0 + PERIOD)
+    for later in (0.0, 0.29):
+        said = watched.suspicion(1.0 + PERIOD + later)
+        assert said == "ch2 follows a step of its reference by -18 mm"
+    assert watched.suspicion(1.31) is None
+    smooth = watch()
+    for k in range(100):
+        smooth.check((0.7e-3 * k,), (0.7e-3 * k,), PERIOD * k)
+    assert smooth.suspicion(0.1) is None

@@ -69,10 +69,10 @@ class Gone(LimitExceeded):
 class Turns:
     """Finds where a signal turns round, beyond a distance that it has to come back."""
 
-    def __init__(self, distance: float) -> None:
-        self._distance = distance
-        self._furthest = -math.inf
-        self._rises = True
+    def __init__(self, distance: float, *, rises: bool = True) -> None:
+        self.distance = distance
+        self._furthest = -math.inf if rises else math.inf
+        self._rises = rises
 
     def update(self, value: float) -> float | None:
         """Take the next value; return an extreme once the signal has come back from it."""
@@ -80,13 +80,13 @@ class Turns:
         if self._rises:
             if value > furthest:
                 self._furthest = value
-            elif furthest - value > self._distance:
+            elif furthest - value > self.distance:
                 self._rises = False
                 self._furthest = value
                 return furthest
         elif value < furthest:
             self._furthest = value
-        elif value - furthest > self._distance:
+        elif value - furthest > self.distance:
             self._rises = True
             self._furthest = value
             return furthest
@@ -101,16 +101,25 @@ class _Swings:
         self._enough = alarm.swings
         self._following = following
         self._error = Turns(alarm.amplitude)
-        self._wanted = Turns(_TURN * alarm.amplitude)
+        self._turn = _TURN * alarm.amplitude
+        self._wanted = Turns(self._turn)
+        self._goal = math.nan
         self._turned: list[tuple[float, float]] = []
+        self.step = 0.0, -math.inf
+        """The last jump of the reference, m, and when it was, s."""
         self.size = math.nan
         """Of the last swing from one extreme to the next, m."""
 
     def update(self, wanted: float, error: float, now: float) -> float | None:
         """Return the frequency (Hz) of a swing that has lasted; None as long as there is none."""
         turned = self._turned
+        jump, self._goal = wanted - self._goal, wanted
         if self._wanted.update(wanted) is not None:
             turned.clear()
+        if abs(jump) > self._turn:  # what is left behind by a step is no swing's end
+            self.step = jump, now
+            turned.clear()
+            self._error = Turns(self._error.distance, rises=error < 0.0)
         extreme = self._error.update(error)
         if extreme is None:
             return None
@@ -318,11 +327,17 @@ class TrackingWatch:
         return max(map(abs, steps)) > _ONE_STEP * abs(way)
 
     def suspicion(self, now: float) -> str | None:
-        """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""
+        """Return which rod has begun to swing, for a limit that was exceeded before it lasted.
+
+        Or which one goes after a step of its reference.
+        """
         for k, swings in enumerate(self._swings):
             frequency = swings.frequency(1, now)
             if frequency is not None and swings.size > self._following and swings.goes_on(now):
                 return self._say_why(k, frequency, now)
+            step, at = swings.step
+            if now - at <= self._alarm.lost:
+                return f"{self._names[k]} follows a step of its reference by {step * 1e3:.3g} mm"
         return None
 
     def _say_why(self, k: int, frequency: float, now: float) -> str:
