@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rig
-from controllers.spherical_joint.falling import falling_stiffness
+from controllers.spherical_joint.falling import falling_pull, falling_stiffness
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointReference, JointState
@@ -182,3 +182,36 @@ def test_a_ring_is_pulled_on_by_as_much_as_the_work_of_its_wires_says(seed):
     work = tension * (ahead.sum() + behind.sum())  # by tensions that pull the rods in
     way = 0.25 * (ahead[0] - ahead[2] - behind[0] + behind[2])
     assert falling_stiffness(geometry, tension) == pytest.approx(-work / way**2, rel=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_ring_that_leans_far_is_pulled_on_as_the_work_of_its_wires_says(seed):
+    """Work over ways of 0.1 mm, at drawn poses within the tilt that it is exact at."""
+    rng = np.random.default_rng(seed)
+    turn, tilt = rng.uniform(0.0, math.tau), math.radians(rng.uniform(30.0, 45.0))
+    geometry = SphericalJointGeometry(
+        ball_radius=rng.uniform(20e-3, 30e-3),
+        anchor_angles=tuple(turn + k * math.pi / 2 for k in range(4)),
+    )
+    inverse, rest, falling = (
+        InverseKinematics(geometry),
+        (0.0, 0.0, 0.0),
+        falling_pull(geometry, tilt),
+    )
+
+    def pose(lean):
+        """Return how far the pairs are off, and the sum of the rods, m."""
+        size = math.hypot(*lean)
+        axis = axis_from_tilt(size, turn + math.atan2(lean[1], lean[0]))
+        rods = inverse.motion(axis, rest, rest)[0]
+        return 0.5 * np.array([rods[0] - rods[2], rods[1] - rods[3]]), sum(rods)
+
+    for _ in range(20):
+        size, azimuth = rng.uniform(0.2, 1.0) * tilt, rng.uniform(0.0, math.tau)
+        lean = size * np.array([math.cos(azimuth), math.sin(azimuth)])
+        steps = 1e-4 * np.eye(2)
+        ways = np.array([pose(lean + step)[0] - pose(lean - step)[0] for step in steps])
+        work = np.array([pose(lean + step)[1] - pose(lean - step)[1] for step in steps])
+        pulls, offs = np.linalg.solve(ways, work), pose(lean)[0]
+        told = np.array([falling.pull(*offs), falling.pull(*offs[::-1])])
+        assert told == pytest.approx(pulls, abs=0.15 * np.abs(pulls).max())

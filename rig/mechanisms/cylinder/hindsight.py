@@ -19,11 +19,13 @@ _PAIRS = ((0, 1),)
 def pair_suspects(logged: "Logged", settings: CylinderSettings) -> tuple[Suspect, ...]:
     """Return what explains the end of the pair's log best."""
     pressures = stacked(logged, "reading.pressure_", CHANNELS)
+    none = np.zeros((len(pressures), len(_PAIRS)))
     signals = Signals(
         logged("clock"),
         stacked(logged, "applied.", CHANNELS),
         pressures,
         stacked(logged, "reading.position_", CHANNELS),
-        np.zeros((len(pressures), len(_PAIRS))),
+        none,
+        none,
     )
     return suspects(signals, CHANNELS, _PAIRS, settings)

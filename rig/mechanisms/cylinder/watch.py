@@ -161,8 +161,7 @@ class PairWatch:
         balance, off = self._balance, error.value
         match error:
             case Strayed():
-                why = balance.explain_gone(off, 0) if error.ran else balance.explain_off(off, 0)
-                return why or balance.explain_crept(0)
+                return balance.explain_strayed(off, ran=error.ran, lasted=error.lasted)
             case Shifted():
                 gone = balance.explain_gone(off, 0) if error.ran else None
                 return self._explain_shift() or gone

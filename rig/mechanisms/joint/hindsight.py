@@ -10,6 +10,7 @@ from rig.hal.hindsight import Suspect
 from rig.hal.motion import Note
 from rig.mechanisms.joint.camera_latency import remark_on_latency
 from rig.mechanisms.joint.columns import CHANNELS
+from rig.mechanisms.joint.pulls import ring_falls
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.wire_causes import wire_causes
 from rig.mechanisms.pneumatic.diagnosis.evidence import Signals
@@ -30,12 +31,16 @@ def joint_suspects(logged: "Logged", settings: JointSettings) -> tuple[Suspect, 
     friction, tensions = settings.friction, settings.area * pressures
     ring = friction.ring * tensions.sum(axis=1)
     loads = [ring + friction.wire * (tensions[:, a] + tensions[:, b]) for a, b in PAIRS]
+    rods = stacked(logged, "reading.rod_", CHANNELS)
+    offs = [0.5 * (rods[:, a] - rods[:, b]) for a, b in PAIRS]
+    pull, even = ring_falls(settings).pull, tensions.mean(axis=1)
     signals = Signals(
         logged("clock"),
         stacked(logged, "applied.", CHANNELS),
         pressures,
-        homes - stacked(logged, "reading.rod_", CHANNELS),
+        homes - rods,
         np.column_stack(loads),
+        np.column_stack([even * pull(*offs), even * pull(*offs[::-1])]),
     )
     of_wires = partial(wire_causes, settings=settings)
     return suspects(signals, CHANNELS, PAIRS, settings, of_wires)

@@ -1,10 +1,13 @@
 """What the pulls on the ring should do, for the one who looks for what they do not explain."""
 
-from controllers.spherical_joint.falling import falling_stiffness
+from controllers.spherical_joint.falling import Falling, falling_pull
 from controllers.spherical_joint.geometry import PAIRS
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.alarms.balance import PullBalance
+
+_FAR = 0.75
+"""Share of the tilt that is permitted at which the ring's fall is met exactly; E."""
 
 
 def pull_balance(settings: JointSettings, regulators: str) -> PullBalance:
@@ -25,5 +28,10 @@ def pull_balance(settings: JointSettings, regulators: str) -> PullBalance:
         CHANNELS,
         regulators,
         "the ring",
-        -falling_stiffness(settings.geometry, 1.0),
+        ring_falls(settings).pull,
     )
+
+
+def ring_falls(settings: JointSettings) -> Falling:
+    """Return how even tensions pull on a ring that leans."""
+    return falling_pull(settings.geometry, _FAR * settings.limits.tilt)

@@ -203,9 +203,7 @@ class JointWatch:
         cause = cause or self._balance.explain() or self.pressures.suspicion()
         if cause is None:
             number, off = _pair_of(error.rod, error.value)
-            explain = self._balance.explain_gone if error.ran else self._balance.explain_off
-            cause = explain(off, number)
-            cause = cause or self._balance.explain_crept(number)
+            cause = self._balance.explain_strayed(off, number, ran=error.ran, lasted=error.lasted)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def drives(self, rod: int, off: float) -> bool:

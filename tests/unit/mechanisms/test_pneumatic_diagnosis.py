@@ -57,7 +57,7 @@ class Bench:
     def found(self):
         noise = 250.0 * self.rng.standard_normal(self.pressures.shape)
         signals = Signals(
-            T, self.setpoints, self.pressures + noise, self.extensions, np.zeros((len(T), 1))
+            T, self.setpoints, self.pressures + noise, self.extensions, *np.zeros((2, len(T), 1))
         )
         evidence = gather(signals, NAMES, PAIRS, pair_settings())
         return [suspect_of(trial, evidence) for trial in likeliest(rank(evidence))]
@@ -185,6 +185,6 @@ def test_a_log_of_a_moment_says_nothing():
     few = slice(0, 50)
     signals = Signals(
         T[few], bench.setpoints[few], bench.pressures[few], bench.extensions[few],
-        np.zeros((50, 1)),
+        np.zeros((50, 1)), np.zeros((50, 1)),
     )  # fmt: skip
     assert gather(signals, NAMES, PAIRS, pair_settings()) is None

@@ -153,9 +153,11 @@ AREA = 2e-4
 CHANNELS = ("ch1", "ch2", "ch3", "ch4")
 
 
-def balance(falling=None, area=AREA):
+def balance(falling=None, area=AREA, beside=0.0):
     """Return what watches two pairs, each of a wire and the next but one."""
-    told = {} if falling is None else {"falling": falling}
+    told = {}
+    if falling is not None:
+        told = {"falls": lambda off, other: falling * off + beside * abs(other)}
     return PullBalance(
         area, MASS, PLAIN, ((0, 2), (1, 3)), CHANNELS, "regulators", "the ring", **told
     )
@@ -204,6 +206,47 @@ def test_a_ring_that_leans_falls_on():
     said = told(balance(1000.0 / 3.0), *pressures, rods=leans).explain()
     assert "the chamber of ch1 leaks" in said and ": 24 N are" in said
     assert told(balance(-1000.0 / 3.0), *pressures, rods=leans).explain() is None
+
+
+def test_it_falls_by_how_far_the_other_pair_is_off_as_well():
+    pressures = (150e3, 50e3, 50e3, 150e3)
+    for leans in ((0.0, 4e-3, 0.0, -2e-3), (0.0, -4e-3, 0.0, 2e-3)):
+        said = told(balance(0.0, beside=1000.0 / 3.0), *pressures, rods=leans).explain()
+        assert "the chamber of ch1 leaks" in said and ": 24 N are" in said
+        assert told(balance(0.0, beside=-1000.0 / 3.0), *pressures, rods=leans).explain() is None
+
+
+def slid(way, *pressures, rods=(0.0,) * 4):
+    """Return a balance of pairs whose first one has gone a way, and stands if that was short."""
+    watch = balance()
+    for k in range(21):
+        place = way * k / 20
+        watch.note(1e-3 * k, (rods[0] + place, rods[1], rods[2] - place, rods[3]), pressures)
+    return watch
+
+
+@pytest.mark.parametrize("off", [4e-3, -4e-3])
+def test_what_has_run_off_and_goes_on_lacks_what_should_pull_it_back(off):
+    runs = slid(math.copysign(3e-3, off), 100e3, 100e3, 100e3, 100e3)
+    said = runs.explain_strayed(off, 0, ran=True, lasted=True)
+    assert said == runs.explain_gone(off, 0)
+    assert f"the chamber of {'ch3' if off > 0.0 else 'ch1'} leaks" in said
+
+
+@pytest.mark.parametrize("ran", [True, False])
+def test_what_has_run_off_and_stands_does_so_for_a_reason_only_if_more_pulls_it_back(ran):
+    held = slid(0.0, 100e3, 100e3, 140e3, 100e3)
+    assert held.explain_strayed(4e-3, 0, ran=ran, lasted=True) is None, "seals hold so much"
+    just = held.explain_strayed(4e-3, 0, ran=ran, lasted=False)
+    assert just == (held.explain_gone(4e-3, 0) if ran else None)
+    torn = slid(0.0, 100e3, 100e3, 190e3, 100e3)
+    assert "18 N pull it back" in torn.explain_strayed(4e-3, 0, ran=ran, lasted=True)
+    assert torn.explain_strayed(-4e-3, 0, ran=ran, lasted=True) is None, "it is pulled there"
+
+
+def test_who_has_no_past_has_run_off():
+    said = balance().explain_strayed(4e-3, 0, ran=True, lasted=True)
+    assert said == balance().explain_gone(4e-3, 0)
 
 
 def test_where_nothing_falls_a_place_pulls_at_nothing():

@@ -6,7 +6,7 @@ from test_pneumatic_tracking_alarm import ALARM, FOLLOWING, PERIOD, run, watch
 
 from rig.hal import LimitExceeded, SafetyError
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
-from rig.mechanisms.pneumatic.alarms.tracking import Strayed
+from rig.mechanisms.pneumatic.alarms.tracking import Strayed, TrackingWatch
 
 
 def test_what_stands_off_its_reference_is_said_to_stick_and_what_runs_away_is_not():
@@ -165,3 +165,16 @@ def test_nothing_moves_while_chambers_fill(sign):
     with pytest.raises(LimitExceeded) as told:
         watched.check_still((0.0, 0.0), (0.51 * bound, 0.0), 8.0, most=0.5 * FOLLOWING)
     assert (told.value.lower, told.value.upper) == (-0.5 * FOLLOWING, 0.5 * FOLLOWING)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_has_strayed_for_long_says_that_it_lasted_and_what_runs_does_not(side):
+    def caught(errors, driven):
+        watched = TrackingWatch(("the pair",), 3e-3, OscillationAlarm(lost=0.25))
+        with pytest.raises(Strayed) as raised:
+            for k, error in enumerate(errors):
+                watched.check((0.0,), (side * error,), 0.125 * k, driven=lambda k, off: driven)
+        return raised.value
+
+    assert not caught([0.0, 7e-3], driven=False).lasted
+    assert caught([0.0, 4e-3, 4e-3, 4e-3], driven=True).lasted

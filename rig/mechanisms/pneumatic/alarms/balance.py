@@ -6,7 +6,7 @@ felt by the rods long before the monitor shows it, and a push is never shown.
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -152,9 +152,9 @@ class PullBalance:
         The regulators' name, for messages.
     moved : str
         What the pairs move, for messages: ``the carriage``.
-    falling : float
-        Force with which tensions pull a pair on, over how far it is off the middle and over the
-        mean pull of a chamber, 1/m; 0 where nothing falls.
+    falls : callable, optional
+        Takes how far a pair and the other one are off the middle, m, and returns the force with
+        which tensions pull it on, over the mean pull of a chamber; default: nothing falls.
     """
 
     def __init__(
@@ -166,10 +166,10 @@ class PullBalance:
         channels: Sequence[str],
         device: str,
         moved: str,
-        falling: float = 0.0,
+        falls: Callable[[float, float], float] | None = None,
     ) -> None:
         self._area = area
-        self._mass, self._friction, self._falling = mass, friction, falling
+        self._mass, self._friction, self._falls = mass, friction, falls
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
         self._history: deque[_Entry] = deque(maxlen=_KEPT)
@@ -271,6 +271,22 @@ class PullBalance:
         pull = sum(instant.pull for instant in late) / len(late)
         return math.copysign(1.0, off) * pull > self._friction.coulomb
 
+    def explain_strayed(self, off: float, pair: int = 0, *, ran: bool, lasted: bool) -> str | None:
+        """Return why a pair has strayed from its reference; parameters as `explain_off`.
+
+        What has run there and stands by now may have been led there too fast: only if more pulls it
+        back than its seals hold, something else keeps it there.
+
+        Parameters
+        ----------
+        ran, lasted : bool
+            Whether it has run there by itself, and has had the time to come to rest.
+        """
+        late = _late(self._instants(self._pairs[pair]))
+        if ran and not (lasted and late and _stands(late)):
+            return self.explain_gone(off, pair)
+        return self.explain_off(off, pair) or self.explain_crept(pair)
+
     def explain_gone(self, off: float, pair: int) -> str:
         """Return why a pair has run off its reference by itself; parameters as `explain_off`."""
         return self._blame(self._pulls_back(off, pair))
@@ -339,8 +355,11 @@ class PullBalance:
     ) -> tuple[float, float]:
         one, other = pair
         place = 0.5 * (rods[one] - rods[other])
-        falls = self._falling * place * sum(pressures) / len(pressures)
-        return place, self._area * (pressures[one] - pressures[other] + falls)
+        pull = pressures[one] - pressures[other]
+        if self._falls is not None:
+            beside = [0.5 * (rods[a] - rods[b]) for a, b in self._pairs if a != one]
+            pull += self._falls(place, *beside) * sum(pressures) / len(pressures)
+        return place, self._area * pull
 
 
 def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:

@@ -44,6 +44,9 @@ class Strayed(LimitExceeded):
     ran: bool = False
     """Whether it has run there by itself, and has not lagged behind."""
 
+    lasted: bool = False
+    """Whether it has been there for as long as is permitted: it may have come to rest."""
+
 
 class Shifted(LimitExceeded):
     """A way while the chambers fill, and nothing is controlled."""
@@ -272,7 +275,9 @@ class TrackingWatch:
         if now - since > self._alarm.lost:
             ran = way > 0.5 * (abs(error) - following)
             what = f"following error of {name} for {now - since:.3g} s"
-            raise self._strayed(what, k, error, following, ran=ran)
+            strayed = self._strayed(what, k, error, following, ran=ran)
+            strayed.lasted = True
+            raise strayed
         if now - since > _HELD and (cause := held()) is not None:
             raise SafetyError(f"{cause} [{name} stays {error * 1e3:.2g} mm off its reference]")
 

@@ -36,6 +36,8 @@ class Signals(NamedTuple):
         Of the rods, m.
     loads : ndarray, shape (n, p)
         Friction of each pair beside that of its seals, N.
+    falls : ndarray, shape (n, p)
+        What pulls each pair on as it leans, N.
     """
 
     t: "Array"
@@ -43,6 +45,7 @@ class Signals(NamedTuple):
     pressures: "Array"
     extensions: "Array"
     loads: "Array"
+    falls: "Array"
 
 
 class LastSecond(NamedTuple):

@@ -67,7 +67,7 @@ def forces_of(evidence: LastSecond, pair: int) -> PairForces:
     speed = np.convolve(padded, k[::-1] / float((k**2).sum()), "valid") / step
     acceleration = np.convolve(padded, bend / float((bend**2).sum()), "valid") * 2.0 / step**2
     pull = settings.area * (signals.pressures[:, one] - signals.pressures[:, other])
-    moved = pull - settings.moving_mass * acceleration
+    moved = pull + signals.falls[:, pair] - settings.moving_mass * acceleration
     return PairForces((one, other), moved, speed, signals.loads[:, pair])
 
 
