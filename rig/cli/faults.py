@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -275,10 +276,12 @@ def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -
 
 
 def _survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subject:
-    from rig.faults.survey import experiments_of, survey
+    from rig.faults.fitting import check_chosen, experiments_for
+    from rig.faults.survey import survey
 
     click.echo(f"{rig}: looking at what it has …", err=True)
-    among = experiments or experiments_of(rig, configs)
+    check_chosen(experiments, rig, configs)
+    among = experiments or experiments_for(rig, configs, partial(click.echo, err=True))
     return survey(rig, among, configs, chosen=bool(experiments))
 
 
@@ -304,11 +307,12 @@ def _jobs(
 
 
 def _scenario_job(path: Path, configs: Path | None) -> Job:
+    from rig.config.names import find_configs
     from rig.faults.case import Moment
     from rig.faults.scenario_file import case_of, load_scenario
     from rig.faults.survey import experiments_of, survey
 
-    located = load_scenario(path)
+    located = load_scenario(path, find_configs(configs))
     scenario = located.scenario
     calibrates = scenario.when.phase is Moment.CALIBRATION
     among = experiments_of(scenario.rig, configs)[:1] if calibrates else (scenario.experiment,)

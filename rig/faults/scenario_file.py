@@ -2,6 +2,7 @@
 
 import difflib
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -14,12 +15,14 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import load_document
 from rig.config.located import Node
 from rig.config.named_files import with_path_beside
+from rig.config.names import Folder, find_file
 from rig.config.quantities import UnitError, parse_quantity
 from rig.config.schema import DIALECT, Schema
 from rig.config.settings import NUMBER_AND_UNIT, adapter, build
 from rig.faults.case import Break, Case, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for
 from rig.faults.subject import Subject
+from rig.hal import ConfigurationError
 
 _Magnitude = float | Annotated[str, Field(pattern=NUMBER_AND_UNIT)]
 
@@ -119,8 +122,15 @@ class _Unfit(Exception):
         self.keys, self.why, self.hint = keys, why, hint
 
 
-def load_scenario(path: Path) -> LocatedScenario:
+def load_scenario(path: Path, search: Sequence[Path] | None = None) -> LocatedScenario:
     """Load a scenario; strict as every file.
+
+    Parameters
+    ----------
+    path : Path
+        Its file.
+    search : sequence of Path, optional
+        The folders of configurations in which rig and experiment have to be; default: nobody looks.
 
     Raises
     ------
@@ -137,6 +147,8 @@ def load_scenario(path: Path) -> LocatedScenario:
         _check_name(root, ("fault",), scenario.fault, problems)
         if scenario.then is not None:
             _check_name(root, ("then", "fault"), scenario.then.fault, problems)
+        if search is not None:
+            _check_files(root, scenario, search, problems)
     problems.raise_if_any()
     assert scenario is not None
     return LocatedScenario(scenario, root)
@@ -157,6 +169,26 @@ def _from_here(root: Node) -> Node:
     assert isinstance(root.value, dict)
     named = {key: with_path_beside(root.value.get(key)) for key in ("rig", "experiment")}
     return root.with_items({**root.value, **{key: node for key, node in named.items() if node}})
+
+
+def _check_files(
+    root: Node, scenario: Scenario, search: Sequence[Path], problems: Problems
+) -> None:
+    """Say which rig or experiment there is not, and where the file names it."""
+    named: list[tuple[str, Folder]] = [("rig", "rigs"), ("experiment", "experiments")]
+    if scenario.when.phase is Moment.CALIBRATION:  # a procedure of the rig is no file
+        named.pop()
+    for key, folder in named:
+        place, _ = root.descend((key,))
+        asked = str(place.value)
+        try:
+            found = find_file(asked, folder, search)
+        except ConfigurationError as error:
+            why, _, hint = str(error).partition("; ")
+            problems.add(place.mark, why, hint or None)
+            continue
+        if not found.is_file():
+            problems.add(place.mark, f"there is no file {asked}")
 
 
 def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems) -> None:
