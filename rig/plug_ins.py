@@ -4,7 +4,8 @@ import hashlib
 import sys
 from collections import defaultdict
 from functools import cache
-from importlib.metadata import EntryPoint, distributions, entry_points, version
+from importlib import metadata
+from importlib.metadata import EntryPoint, EntryPoints, distributions, version
 from pathlib import Path
 from types import ModuleType
 from typing import Final
@@ -14,6 +15,21 @@ from rig.run_facts import PlugIn
 
 GROUPS: Final = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
 """Of the entry points by which other packages offer theirs."""
+
+
+def entry_points(*, group: str) -> EntryPoints:
+    """Return the entry points of one of `GROUPS`.
+
+    What is installed is read once, as it does not change while a program runs: to look takes longer
+    than to validate a profile, and every kind of row has a group of its own.
+    """
+    return _installed(tuple(sys.path))[group]
+
+
+@cache
+def _installed(_: tuple[str, ...]) -> dict[str, EntryPoints]:
+    everything = metadata.entry_points()
+    return {group: everything.select(group=group) for group in GROUPS}
 
 
 def plug_ins() -> dict[str, PlugIn]:

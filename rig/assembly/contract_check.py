@@ -8,14 +8,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import is_dataclass
 from functools import cache
-from importlib.metadata import entry_points
 from types import FrameType
 from typing import TypeVar, get_type_hints
 
 from rig.hal import ContractBroken
 from rig.hal.fits import OWN, fits, is_ours, misfits, plain, shown, where
 from rig.hal.offers import lacking
-from rig.plug_ins import GROUPS
+from rig.plug_ins import GROUPS, entry_points
 
 Thing = TypeVar("Thing")
 

@@ -2,13 +2,13 @@
 
 import importlib
 from collections.abc import Mapping
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from typing import Any, Generic, TypeVar
 
 from rig.assembly.contract_check import check_row
 from rig.hal import ConfigurationError
 from rig.hal.parts import Additions, DriverParts, ProtocolParts
-from rig.plug_ins import note_import
+from rig.plug_ins import entry_points, note_import
 
 Row = TypeVar("Row", bound=Additions | DriverParts | ProtocolParts)
 

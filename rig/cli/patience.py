@@ -26,3 +26,4 @@ def told_if_long(words: str) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+        timer.join()  # what comes next may copy this process, which it can while it is alone

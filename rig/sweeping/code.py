@@ -5,12 +5,11 @@ import hashlib
 import importlib
 import importlib.util
 from collections.abc import Collection, Iterator
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig import provenance
-from rig.plug_ins import GROUPS
+from rig.plug_ins import GROUPS, entry_points
 
 OURS: Final = ("controllers", "drivers", "rig")
 _NOT_RUN: Final = ("rig.__main__", "rig.cli", "rig.faults", "rig.report", "rig.testing")

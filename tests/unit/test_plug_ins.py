@@ -104,3 +104,18 @@ def test_what_two_distributions_have_is_of_neither(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "led_to", ModuleType("led_to"))
     plug_ins.note_import("led_to")
     assert plug_ins._imported()["led_to"] == (None, None)
+
+
+def test_what_is_installed_is_read_once(monkeypatch, tmp_path):
+    read, times = plug_ins.metadata.entry_points, []
+
+    def counted():
+        times.append(1)
+        return read()
+
+    monkeypatch.setattr(plug_ins.metadata, "entry_points", counted)
+    monkeypatch.syspath_prepend(tmp_path)  # another place to look in than any before
+    for group in plug_ins.GROUPS:
+        expected = read(group=group)
+        assert list(plug_ins.entry_points(group=group)) == list(expected)
+    assert len(times) == 1
