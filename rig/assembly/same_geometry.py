@@ -1,6 +1,7 @@
 """Whether a simulated rig has the cylinders and legs that its mechanism's settings say."""
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Final
 
 from rig.config import Profile
@@ -14,6 +15,14 @@ _ALIKE: Final = (
 )
 """Settings of a mechanism with cylinders, the plant's of the same meaning, and by which share of
 which setting they may differ: what homing leaves and what units are off their drawings is less."""
+
+
+def shared_lengths(profile: Profile) -> Iterator[tuple[str, str, float]]:
+    """Yield what mechanism and plant both say: the key, the plant's key, and its value there, m."""
+    for ours, theirs, *_ in _ALIKE:
+        true = _length(profile.plant.settings, theirs) if profile.plant is not None else None
+        if true is not None and _length(profile.mechanism_settings, ours) is not None:
+            yield ours, theirs, true
 
 
 def check_same_geometry(profile: Profile) -> None:

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 from math import inf, isinf
 from pathlib import Path
@@ -86,6 +86,14 @@ def _append(folder: Path, t: float | None, kind: str, message: str, data: object
         (folder / EVENTS).open("a", encoding="utf-8") as file,
     ):
         file.write(json.dumps(event, ensure_ascii=False) + "\n")
+
+
+def describe_truth(logged: Sequence[Column], drives: Iterable[str]) -> list[Column]:
+    """Return the columns of a stage's truth: those of the log, and the power of each drive."""
+    return [
+        *(column._replace(name=column.name.removeprefix("truth.")) for column in logged),
+        *(Column(f"powered_{axis}", "1", "1 while the drive has torque") for axis in drives),
+    ]
 
 
 def keep_case(

@@ -3,7 +3,7 @@
 import random
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from math import inf
@@ -16,13 +16,13 @@ from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.felt import Felt
-from rig.faults.kept_case import clock_of, keep_case, note_break
+from rig.faults.kept_case import clock_of, describe_truth, keep_case, note_break
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
-from rig.hal import Column, Controller
+from rig.hal import Controller
 from rig.hal.controller import AnyController
 from rig.hal.hazards import ENERGY_LEFT
 from rig.run_facts import LOG
@@ -245,6 +245,11 @@ class Performance(Watcher):
         start = self._running_from
         note_break(self.folder, item, None if start is None else self._stage.world.time - start)
 
+    @property
+    def place(self) -> str:
+        """The path of the run folder; empty: there is none."""
+        return "" if self.folder is None else str(self.folder.resolve())
+
     # What came of it ---------------------------------------------------------------------
 
     def end(self, code: int | None, message: str) -> Verdict:
@@ -303,16 +308,8 @@ class Performance(Watcher):
             verdict = verdict.broken(self._refused)
         if self.folder is not None and (verdict.failed or self._keeps):
             keep_case(self.folder, verdict, self._described, truth, clock)
-            verdict = replace(verdict, folder=str(self.folder.resolve()))
+            verdict = replace(verdict, folder=self.place)
         return verdict
-
-
-def describe_truth(logged: Sequence[Column], drives: Iterable[str]) -> list[Column]:
-    """Return the columns of a stage's truth: those of the log, and the power of each drive."""
-    return [
-        *(column._replace(name=column.name.removeprefix("truth.")) for column in logged),
-        *(Column(f"powered_{axis}", "1", "1 while the drive has torque") for axis in drives),
-    ]
 
 
 def plight_of(

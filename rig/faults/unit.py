@@ -5,6 +5,7 @@ import pickle
 import select
 import shutil
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rig.assembly import REGISTRY, Backend
@@ -143,7 +144,8 @@ class _Branch:
                     self._tell(give_verdict(case, ending, self._subject).missed())
                 else:
                     why = f"the run ended before it {message}".rstrip()
-                    self._tell(no_verdict(case, self._subject, why))
+                    verdict = no_verdict(case, self._subject, why)
+                    self._tell(replace(verdict, folder=self.performance.place))
         os._exit(0)
 
 

@@ -5,12 +5,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from rig.assembly import REGISTRY
+from rig.assembly.same_geometry import shared_lengths
+from rig.config import Profile, load_profile
 from rig.config.names import find_file, list_files
 from rig.config.yaml_loader import read_plain, read_source
 from rig.hal import ConfigurationError
 
 _RIG: Final = re.compile(r"^rig:[ ]*[^ \n]+(.*)$", re.MULTILINE)
 _OWN: Final = re.compile(r"^(name|description):.*\n", re.MULTILINE)
+_PLANT: Final = re.compile(r"^plant:.*(\n[ #].*)*", re.MULTILINE)
 
 
 def experiment_text(
@@ -74,9 +78,29 @@ def profile_text(name: str, like: str, search: Sequence[Path]) -> str:
     )
 
 
+def _with_cylinders(text: str, profile: Profile) -> str:
+    """Return a profile's lines with the plant's cylinders, which have to be the mechanism's.
+
+    Whoever writes another stroke has to write it twice; where a profile says the plant's default,
+    nothing would show where.
+    """
+    if profile.plant is None:
+        return text
+    inner: list[str] = []
+    own: list[str] = []
+    for key, place, value in shared_lengths(profile):
+        if f"plant.{place}" not in profile.places:
+            said = f"{key}: {value * 1e3:g} mm"
+            (inner if place.startswith("cylinder.") else own).append(said)
+    lines = [f"  cylinder: {{{', '.join(inner)}}}   # as the mechanism's"] if inner else []
+    lines += [f"  {one}   # as the mechanism's" for one in own]
+    return _PLANT.sub(lambda found: "\n".join([found[0], *lines]), text)
+
+
 def commented_lines(name: str, like: str, search: Sequence[Path]) -> str:
     """Return the lines of a profile as comments, below a few on what to do with them."""
     text = _OWN.sub("", read_source(find_file(like, "rigs", search)).text)
+    text = _with_cylinders(text, load_profile(like, REGISTRY, (), search))
     lines = [f"# {line}".rstrip() for line in text.splitlines()]
     return (
         f"# The values of {like} hold where the lines above say nothing: they follow below.\n"
