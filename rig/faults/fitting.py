@@ -19,7 +19,7 @@ _TOLD: Final = 4
 
 
 class Fitting(NamedTuple):
-    """What can be planned on a rig, and why the rest cannot.
+    """Experiments that can be planned on a rig, and the reasons of the others.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ class Verdict:
 
     @property
     def outcome(self) -> CameTo:
-        """What a case came to."""
+        """The sum of it."""
         if self.failed:
             return CameTo.WRONG
         if self.ending.excused:

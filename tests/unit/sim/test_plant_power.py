@@ -8,7 +8,7 @@ from rig.assembly import REGISTRY
 from rig.assembly.simulated import make_plant
 from rig.config import load_profile
 from rig.config.names import find_configs
-from rig.faults.performance import describe_truth
+from rig.faults.kept_case import describe_truth
 from rig.hal import Column
 
 CONFIGS = find_configs(None)
