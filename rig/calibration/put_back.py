@@ -1,5 +1,6 @@
 """Kept calibrations put in force again, and the profile's own values."""
 
+import socket
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,8 +26,8 @@ def restore(
     date : str
         How its time starts, as its file's name has it.
     owner : str, optional
-        The profile whose it is from now on, as `owner_label` has it: whoever puts it in force
-        says so. None: as the kept file says.
+        The profile whose it is from now on, as `owner_label` has it, on this computer: whoever puts
+        it in force says so. None: as the kept file says.
 
     Raises
     ------
@@ -43,8 +44,11 @@ def restore(
         )
     content = load(found[0])  # its seal, too
     text = found[0].read_text(encoding="utf-8")
-    if owner is not None and content["provenance"].get("profile", owner) != owner:
-        now = {**content, "provenance": {**content["provenance"], "profile": owner}}
+    of, here = content["provenance"], socket.gethostname()
+    is_ours = of.get("profile", owner) == owner and of.get("host", here) == here
+    if owner is not None and not is_ours:
+        said = {"profile": owner, **({"host": here} if "host" in of else {})}
+        now = {**content, "provenance": {**of, **said}}
         text = seal(HEADER.format("calibrate --restore") + dump_plain(now))
     path = search[0] / "calibration" / rig / f"{target}.yaml"
     try:

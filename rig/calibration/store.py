@@ -1,5 +1,7 @@
 """Calibration files: writing with history, comparing, refusing a worse fit."""
 
+import contextlib
+import socket
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
@@ -22,6 +24,7 @@ from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
 from rig.hal.files import check_writable as check_folder
 from rig.hal.files import reason_unwritten
+from rig.run_facts import read_manifest
 from rig.typed_json import checked
 from rig.whole_file import write_whole
 
@@ -143,6 +146,7 @@ def compose(
         "backend": origin_of([circumstances.backend, *(m.get("backend", UNKNOWN) for m in kept)]),
         "seed": circumstances.seed,
         "serial": None if entry is None else entry.serial,
+        "host": _host_of(data.paths) if circumstances.backend == HARDWARE else None,
         "profile": owner_label(profile.files, search),
         "samples": data.samples,
         "blocks": finding.blocks,
@@ -184,6 +188,16 @@ def compose(
         "measured": [*kept, *measured],
         "provenance": {key: value for key, value in provenance.items() if value is not None},
     }
+
+
+def _host_of(logs: Sequence[Path]) -> str:
+    """Return the computer that recorded some logs; of none that tells, this one."""
+    for log in logs:
+        with contextlib.suppress(ConfigurationError):
+            host = read_manifest(log.parent).get("machine", {}).get("host")
+            if isinstance(host, str):
+                return host
+    return socket.gethostname()
 
 
 def origin_of(backends: Sequence[str]) -> str:

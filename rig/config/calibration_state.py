@@ -1,5 +1,6 @@
 """Find the calibrations of a profile that no longer hold, and what would mend them."""
 
+import socket
 from datetime import date, datetime
 from typing import NamedTuple
 
@@ -67,7 +68,14 @@ def calibration_states(
             law = name.removeprefix(TUNED)
             remedy = f"rig tune {profile.argument} --controller {law} --replace"
         if on_hardware:
-            problems = (*_strangeness(calibration), *problems)
+            elsewhere = _elsewhere(calibration, serial)
+            if elsewhere and not problems:
+                day = calibration.provenance.date.replace(":", "").replace("+0000", "Z")
+                remedy = (
+                    f"rig calibrate {profile.argument} --restore {name}/{day}, if it is the same "
+                    "rig on another computer; else calibrate anew"
+                )
+            problems = (*elsewhere, *_strangeness(calibration), *problems)
         found.append(CalibrationState(name, calibration, problems, remedy))
     for name, calibration in profile.foreign.items():
         found.append(CalibrationState(name, calibration, (_not_ours(calibration),), _own(profile)))
@@ -109,6 +117,20 @@ def _strangeness(calibration: Calibration) -> tuple[str, ...]:
         return ("does not say whether it was measured on hardware",)
     seed = "" if of.seed is None else f", seed {of.seed}"
     return (f"was measured in simulation ({of.backend}{seed}), not on hardware",)
+
+
+def _elsewhere(calibration: Calibration, serial: int | None) -> tuple[str, ...]:
+    """Return that another computer has measured it, where no serial number tells that it is ours.
+
+    Records come along with a folder of configurations that is copied or cloned.
+    """
+    of = calibration.provenance
+    here = socket.gethostname()
+    if of.backend != HARDWARE or of.host in (None, here):
+        return ()
+    if of.serial is not None and of.serial == serial:
+        return ()
+    return (f"was measured at the rig of another computer ({of.host}; this is {here})",)
 
 
 def _problems(calibration: Calibration, serial: int | None, today: date) -> tuple[str, ...]:

@@ -76,6 +76,8 @@ class Provenance:
         Of the simulation.
     serial : int, optional
         Serial number of the device that was calibrated.
+    host : str, optional
+        The computer that the rig was on when it was measured on hardware.
     profile : str, optional
         The profile's file, as `rig.config.ownership.owner_label` has it.
     samples : int, optional
@@ -110,6 +112,7 @@ class Provenance:
     backend: str | None = None
     seed: int | None = None
     serial: Annotated[int, Ge(0)] | None = None
+    host: str | None = None
     profile: str | None = None
     samples: Annotated[int, Ge(1)] | None = None
     blocks: Annotated[int, Ge(1)] | None = None
