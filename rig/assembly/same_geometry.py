@@ -20,8 +20,8 @@ which setting they may differ: what homing leaves and what units are off their d
 def shared_lengths(profile: Profile) -> Iterator[tuple[str, str, float]]:
     """Yield what mechanism and plant both say: the key, the plant's key, and its value there, m."""
     for ours, theirs, *_ in _ALIKE:
-        true = _length(profile.plant.settings, theirs) if profile.plant is not None else None
-        if true is not None and _length(profile.mechanism_settings, ours) is not None:
+        true = number_at(profile.plant.settings, theirs) if profile.plant is not None else None
+        if true is not None and number_at(profile.mechanism_settings, ours) is not None:
             yield ours, theirs, true
 
 
@@ -39,9 +39,9 @@ def check_same_geometry(profile: Profile) -> None:
         return
     found = []
     for ours, theirs, size, share in _ALIKE:
-        believed = _length(profile.mechanism_settings, ours)
-        true = _length(profile.plant.settings, theirs)
-        most = share * (_length(profile.mechanism_settings, size) or 0.0)
+        believed = number_at(profile.mechanism_settings, ours)
+        true = number_at(profile.plant.settings, theirs)
+        most = share * (number_at(profile.mechanism_settings, size) or 0.0)
         if believed is None or true is None or abs(believed - true) <= most:
             continue
         key = f"plant.{theirs}"
@@ -57,9 +57,9 @@ def _out_of_reach(profile: Profile) -> list[str]:
     """Return that simulated legs begin higher or lower than theirs reach, if they do."""
     assert profile.plant is not None
     thigh, shank = (
-        _length(profile.mechanism_settings, f"geometry.{link}") for link in ("thigh", "shank")
+        number_at(profile.mechanism_settings, f"geometry.{link}") for link in ("thigh", "shank")
     )
-    height = _length(profile.plant.settings, "initial_hip_height")
+    height = number_at(profile.plant.settings, "initial_hip_height")
     if thigh is None or shank is None or height is None:
         return []
     if abs(thigh - shank) < height <= thigh + shank:
@@ -73,7 +73,7 @@ def _out_of_reach(profile: Profile) -> list[str]:
     ]
 
 
-def _length(settings: object, key: str) -> float | None:
+def number_at(settings: object, key: str) -> float | None:
     """Return the number behind a dotted key of settings; None: they have none."""
     for name in key.split("."):
         known = dataclasses.is_dataclass(settings) and {

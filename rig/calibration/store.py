@@ -348,6 +348,14 @@ def history(search: Sequence[Path], rig: str, target: str) -> list[Path]:
     return sorted(found, key=lambda path: path.name)
 
 
+def kept_targets(search: Sequence[Path], rig: str) -> list[str]:
+    """Return everything of a rig of which calibrations are in force or kept."""
+    folders = [configs / "calibration" / rig for configs in search]
+    in_force = [path.stem for folder in folders for path in folder.glob("*.yaml")]
+    kept = [path.name for folder in folders for path in (folder / HISTORY).glob("*/")]
+    return [*in_force, *kept]
+
+
 def _name(target: str, content: Content) -> str:
     stamp = str(content["provenance"]["date"]).replace(":", "").replace("+0000", "Z")
     return f"{HISTORY}/{target}/{stamp}.yaml"

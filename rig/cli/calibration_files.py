@@ -66,6 +66,29 @@ def show_history(search: Sequence[Path], rig: str, target: str, *, as_json: bool
     return 0
 
 
+def _check_target(search: Sequence[Path], rig: str, target: str) -> None:
+    """Refuse a name that nothing of a rig has, and of which nothing is kept; say the nearest."""
+    from rig.assembly import REGISTRY
+    from rig.calibration.store import kept_targets
+    from rig.config import load_profile, rig_name
+    from rig.config.diagnostics import nearest
+    from rig.config.laid_over import TUNED
+    from rig.config.names import is_path, list_files
+    from rig.hal import ConfigurationError
+
+    names = set(kept_targets(search, rig_name(rig, search)))
+    if is_path(rig) or rig in list_files("rigs", search):
+        with contextlib.suppress(ConfigurationError):  # what is wrong with it is said elsewhere
+            profile = load_profile(rig, REGISTRY, (), search)
+            laws = [f"{TUNED}{law}" for law in profile.controllers]
+            names |= {*profile.devices, profile.mechanism, *laws}
+    if names and target not in names:
+        raise ConfigurationError(
+            f"the rig {rig} has nothing called {target} that could be calibrated; "
+            f"{nearest(target, names)}"
+        )
+
+
 def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> int:
     """Put a kept calibration in force again, as this rig's; without a date, show what is kept."""
     from rig.calibration import put_back
@@ -74,6 +97,7 @@ def restore(search: Sequence[Path], rig: str, name: str, *, as_json: bool) -> in
     from rig.config.ownership import owner_label
 
     target, slash, day = name.rpartition("/")
+    _check_target(search, rig, target or name)
     if not slash:
         show_history(search, rig, name, as_json=as_json)
         click.echo(

@@ -24,6 +24,7 @@ def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
         The folder of configurations that was asked for.
     """
     from rig.cli.inherited import inherited_sentences
+    from rig.cli.plant_remarks import plant_remarks
     from rig.config.calibration_state import sentences_of_bases
     from rig.config.names import find_configs
     from rig.config.records import sentences_of_records
@@ -32,7 +33,8 @@ def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
     inherited = inherited_sentences(profile, search)
     elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     strange = [*_strange_units(profile), *_unitless(profile.unitless)]
-    return [*_of_broken_parts(profile), *inherited, *elsewhere, *strange]
+    plant = plant_remarks(profile)
+    return [*_of_broken_parts(profile), *inherited, *plant, *elsewhere, *strange]
 
 
 def _unitless(said: Sequence[str]) -> Sequence[str]:

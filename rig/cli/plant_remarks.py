@@ -1,0 +1,57 @@
+"""What a profile says of its cylinders, and its simulated plant says otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+
+_MOST: Final = 0.1
+"""Share by which the two may differ: drawings are not better, and units differ by as much."""
+
+
+def plant_remarks(profile: Profile) -> Iterator[str]:
+    """Yield in what the simulated rig is another one than the profile tells the controllers of.
+
+    Parameters
+    ----------
+    profile : Profile
+        Checked. Bore, rod, stroke and home that differ are refused; these here only mislead.
+    """
+    from rig.assembly.build import make_unconnected
+    from rig.assembly.same_geometry import number_at
+    from rig.hal.formats import format_quantity
+
+    if profile.plant is None:
+        return
+    plant, name = profile.plant.settings, profile.mechanism
+    mechanism, _ = make_unconnected(profile)
+    carriage, piston = (number_at(plant, key) for key in ("carriage.mass", "cylinder.mass"))
+    pairs: list[tuple[str, float | None, str, float | None, str, str]] = [
+        (
+            "the range of its regulators",
+            number_at(getattr(mechanism, "settings", None), "regulator_response.full_scale"),
+            "plant.regulator.full_scale",
+            number_at(plant, "regulator.full_scale"),
+            "Pa",
+            "their errors, steps and hysteresis are simulated as shares of that",
+        ),
+        (
+            f"{name}.moving_mass",
+            number_at(profile.mechanism_settings, "moving_mass"),
+            "plant.carriage.mass and twice plant.cylinder.mass together",
+            None if carriage is None or piston is None else carriage + 2.0 * piston,
+            "kg",
+            "gains that are tuned on it fit another rig",
+        ),
+    ]
+    for ours, believed, theirs, true, unit, so in pairs:
+        if believed is None or true is None or abs(believed - true) <= _MOST * believed:
+            continue
+        yield (
+            f"{ours} is {format_quantity(believed, unit)}, and {theirs} "
+            f"is {format_quantity(true, unit)}: {so}; say both "
+            "alike"
+        )
