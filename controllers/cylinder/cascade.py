@@ -18,13 +18,13 @@ class Cascade(NumericPairLaw[CascadeSettings]):
     Settings = CascadeSettings
     Numbers = CascadeLaw
     tunables = (
-        Tunable("position_rate", 2.0, 120.0),
+        Tunable("position_rate", 2.0, 250.0),
         Tunable("velocity_rate", 5.0, 700.0),
         Tunable("integral", 1e2, 2e5),
         Tunable("hold_integral", 1e2, 5e5),
-        Tunable("observer_bandwidth", 150.0, 1500.0),
+        Tunable("observer_bandwidth", 150.0, 2500.0),
         Tunable("force_trust", 0.02, 1.0),
-        Tunable("lead_bandwidth", 60.0, 600.0),
+        Tunable("lead_bandwidth", 60.0, 1000.0),
         Tunable("disturbance_gain", 0.01, 1.0),
         Tunable("disturbance_bandwidth", 3.0, 200.0),
         Tunable("anticipation", 0.1, 2.0),

@@ -115,7 +115,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     attempt = keep_attempt(
         folder, controller, options["generations"], against, given_options(_KEPT), is_put=is_put
     )
-    file = _apply(bench, request, now, places, options) if is_put else None
+    file = _apply(bench, request, before, now, places, options) if is_put else None
     if options["as_json"]:
         print_json({
             "folder": folder, "unit": bench.unit, "before": _as_data(before), "now": _as_data(now),
@@ -198,9 +198,12 @@ def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> No
         ("hunting", text(before.hunting), text(now.hunting)),
         ("reversals of a setpoint", *(f"{v.reversals:.1f} /s" for v in (before, now))),
         ("lost plants", str(len(before.lost)), str(len(now.lost))),
-        ("drawn plants with enough margin", *(f"{100 * v.robust:.0f} %" for v in (before, now))),
+        (
+            f"drawn plants with enough margin{', measured' if now.measured else ''}",
+            *(f"{100 * v.robust:.0f} %" for v in (before, now)),
+        ),
         ("cost", f"{before.cost:.3f}", f"{now.cost:.3f}"),
-    ]
+    ]  # fmt: skip
     gains = [(name, f"{before.gains[name]:g}", f"{gain:g}") for name, gain in now.gains.items()]
     print_tables([
         Table("errors on the plant as told, and on the worst", head, rows),
@@ -217,8 +220,8 @@ def _draw(folder: Path, found: FoundGains, now: EnsembleVerdict, before: Ensembl
 
 
 def _apply(
-    bench: Workbench, request: Request, now: EnsembleVerdict, search: Sequence[Path],
-    options: dict[str, Any],
+    bench: Workbench, request: Request, before: EnsembleVerdict, now: EnsembleVerdict,
+    search: Sequence[Path], options: dict[str, Any],
 ) -> Path:  # fmt: skip
     """Put gains in force, and return their file."""
     from rig.assembly import REGISTRY
@@ -227,7 +230,9 @@ def _apply(
     from rig.config.laid_over import TUNED
     from rig.tuning.overlay import put_in_force
 
+    begun = " ".join(f"{name}={gain:g}" for name, gain in before.gains.items())
     facts = {
+        "begun at": f"{begun}, at a cost of {before.cost:.3f}",
         "command": shlex.join(["rig", *sys.argv[1:]]),
         "tuned for": request.experiment or "sines and holds",
         "generations": str(options["generations"]),

@@ -152,7 +152,22 @@ def read_calibration(path: Path, name: str, problems: Problems) -> tuple[Node, C
         if key in values.value:
             problems.add(values.value[key].heading, f"{key} is not a value of a calibration")
     read = read_provenance(provenance, problems)
-    return None if read is None else (values, Calibration(name, read))
+    if read is None:
+        return None
+    measured = root.value.get("measured")
+    known = deviations(None if measured is None else measured.plain())
+    return values, Calibration(name, read, deviations=known)
+
+
+def deviations(measured: Plain) -> dict[str, float]:
+    """Return the standard deviations that the ``measured`` of a calibration file tells."""
+    rows = measured if isinstance(measured, list) else []
+    found = {}
+    for row in rows:
+        name, std = (row.get("name"), row.get("std")) if isinstance(row, dict) else (None, None)
+        if isinstance(name, str) and isinstance(std, int | float):
+            found[name] = float(std)
+    return found
 
 
 def read_provenance(node: Node, problems: Problems) -> Provenance | None:

@@ -142,11 +142,14 @@ class Calibration:
         Where it came from.
     replaced : dict
         What the settings said before, in the same words as the calibration's values.
+    deviations : dict of str to float
+        Standard deviation of each quantity that was measured, in its SI unit.
     """
 
     file: str
     provenance: Provenance
     replaced: Plain = field(default_factory=dict)
+    deviations: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

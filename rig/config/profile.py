@@ -349,6 +349,7 @@ class _Reader(Sections):
         provenance = items.pop("provenance", None)
         file = items.pop("file", None)
         replaced = items.pop("replaced", None)
+        deviations = items.pop("deviations", None)
         for key, extra in items.items():
             hint = nearest(key, ("file", "provenance", "replaced"))
             self.problems.add(extra.heading, f"unknown key {key!r}", hint)
@@ -359,7 +360,12 @@ class _Reader(Sections):
         if read is None:
             return None
         before = {} if replaced is None else replaced.plain()
-        return Calibration(file.value, read, before if isinstance(before, dict) else {})
+        known = {} if deviations is None else deviations.plain()
+        return Calibration(
+            file.value, read, before if isinstance(before, dict) else {},
+            {name: float(std) for name, std in known.items() if isinstance(std, int | float)}
+            if isinstance(known, dict) else {},
+        )  # fmt: skip
 
     def _simulation(self, names: tuple[str, ...]) -> SimulationSettings | None:
         node = self.take("simulation")

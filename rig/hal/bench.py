@@ -114,3 +114,20 @@ class TuningBench(Protocol):
         self, chosen: object, plants: Sequence[Mapping[str, float]]
     ) -> Sequence[ClosedLoop]:
         """Return the margins of the loop that a law closes around each plant."""
+
+    def measured(
+        self, chosen: object, plants: Sequence[tuple[Mapping[str, float], int]]
+    ) -> Sequence[ClosedLoop] | None:
+        """Return the margins that `rig margins` would measure on each plant, which it shakes.
+
+        A loop that cannot be told has an infinite sensitivity. None: nothing measures loops of
+        this rig, and the linear `margins` have the word.
+
+        Parameters
+        ----------
+        chosen : object
+            Settings of the law.
+        plants : sequence of (mapping, int)
+            Numbers of each as `told` names them, and the seed of what is drawn.
+        """
+        return None

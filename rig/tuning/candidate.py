@@ -7,10 +7,13 @@ from pathlib import Path
 from rig.sweeping.finding import MetricCell, PointFinding, one_line
 from rig.sweeping.point import PointJob
 from rig.sweeping.source import PointSource
-from rig.tuning.score import LOST, UNSTABLE, score
+from rig.tuning.score import LOST, NEAREST, REFUSED, UNSTABLE, score
 from rig.tuning.workbench import Workbench, workbench_of
 
 PERFORM = "rig.tuning.candidate:perform"
+
+_SHAKEN = 3
+"""Plants on which margins are measured, two units of each: the greatest counts."""
 
 
 def job_of(
@@ -54,14 +57,19 @@ def perform(job: PointJob) -> PointFinding:
 def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]) -> float:
     """Return what gains cost on some corners of the ensemble.
 
-    No time is spent on those that are not stable, nor on more plants than one that is lost. Where
+    No time is spent on those that are not stable, or that hardware is refused with on the plant as
+    told, nor on more plants than one that is lost. Where
     all corners are asked for, it has to be all: gains that the program would be stopped with on
-    any of them are lost as well.
+    any of them are lost as well. Margins are measured, where a loop can be, on those plants whose
+    loops are nearest to instability as a linear model says.
     """
-    margins = bench.margins(gains, bench.ensemble.near())
+    near = bench.ensemble.near()
+    margins = bench.margins(gains, near)
     unstable = sum(not margin.stable for margin in margins)
     if unstable:
-        return UNSTABLE + unstable + sum(min(margin.sensitivity, 9.0) for margin in margins)
+        return UNSTABLE + unstable + sum(min(margin.sensitivity, NEAREST) for margin in margins)
+    if not margins[0].is_robust:
+        return REFUSED + min(margins[0].sensitivity, NEAREST)
     corners = bench.ensemble.corners()
     chosen = [corners[number] for number in members]
     trials = []
@@ -70,4 +78,8 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
         if trials[-1].lasted < 1.0:
             return LOST + len(chosen) - number - trials[-1].lasted
     stopped = sum(trial.strayed >= 1.0 for trial in trials) if len(chosen) == len(corners) else 0
-    return score(trials, margins).cost + (LOST + stopped if stopped else 0.0)
+    nearest = sorted(zip(margins, near, strict=True), key=lambda pair: -pair[0].sensitivity)
+    shaken = bench.ensemble.other_units([member for _, member in nearest[:_SHAKEN]])
+    return score(trials, bench.measured(gains, shaken) or margins).cost + (
+        LOST + stopped if stopped else 0.0
+    )

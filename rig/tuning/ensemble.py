@@ -8,6 +8,9 @@ import numpy as np
 
 from rig.hal.bench import Unknown
 
+_OTHER = 500
+"""Seeds of other units, beyond those of the corners."""
+
 Numbers = dict[str, float]
 """A mechanism's model by the names of its numbers, SI."""
 
@@ -102,6 +105,14 @@ class Ensemble:
         """
         ends = product(*(unknown.measured for unknown in self._unknowns))
         return [self.nominal, *(self._member(values, self._seed) for values in ends)]
+
+    def other_units(self, members: Iterable[Member]) -> list[Member]:
+        """Return two more units of each of some plants."""
+        units = [member for member in members for _ in range(2)]
+        return [
+            member._replace(seed=self._seed + _OTHER + number)
+            for number, member in enumerate(units)
+        ]
 
     def draw(self, count: int) -> list[Member]:
         """Return plants within what a calibration would leave open, from the ensemble's seed."""

@@ -92,7 +92,10 @@ def _figures(bench: Workbench, verdict: EnsembleVerdict) -> dict[str, str]:
         **errors,
         "hunting": f"{1e3 * verdict.hunting:.3f} mm",
         "reversals": f"{verdict.reversals:.1f} a second",
-        "sensitivity kept": f"{100 * verdict.robust:.1f} % of {len(verdict.margins)} plants",
+        "lost plants": f"{len(verdict.lost)} of {len(verdict.trials)}",
+        "sensitivity kept": f"{100 * verdict.robust:.1f} % of {len(verdict.margins)} plants, "
+        + ("measured" if verdict.measured else "by the linear model"),
+        "cost": f"{verdict.cost:.3f}",
     }
 
 

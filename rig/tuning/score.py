@@ -17,11 +17,18 @@ _FINEST: Final = 1e-6
 """Errors below this are none, SI."""
 LOST: Final = 1000.0
 """Cost of gains that lose a plant, and more the earlier they do."""
+REFUSED: Final = 1500.0
+"""Cost of gains that hardware is refused with, and more the nearer they are to instability."""
 UNSTABLE: Final = 2000.0
 """Cost of gains that are not stable, and more the farther they are from it."""
 _WORST: Final = 0.5
 """Weight of the worst plant beside the nominal one."""
-_PER_SENSITIVITY: Final = 10.0
+_PER_SENSITIVITY: Final = 20.0
+"""Weight of the logarithm of the greatest sensitivity over its bound: a hundredth of it is as dear
+as a tenth of all errors. Where no gains keep it, not all errors are given for it.
+"""
+NEAREST: Final = 9.0
+"""More sensitivity than this costs no more."""
 _PER_REVERSAL: Final = 1.0 / REVERSALS
 
 
@@ -54,10 +61,11 @@ def score(trials: Sequence[Trial], margins: Sequence[ClosedLoop]) -> Score:
     errors = _mean_log(nominal.values()) + _WORST * _mean_log(worst.values())
     over = [max(0.0, trial.reversals - REVERSALS) * _PER_REVERSAL for trial in trials]
     hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / QUIET)) for trial in trials]
-    near = max((margin.sensitivity - SENSITIVITY for margin in margins), default=0.0)
+    near = max((min(margin.sensitivity, NEAREST) for margin in margins), default=SENSITIVITY)
+    beyond = max(0.0, math.log(near / SENSITIVITY))
     strays = [max(0.0, trial.strayed - STRAYED) for trial in trials]
     overstepped = (sum(over) + sum(hunts)) / len(trials) + max(over) + sum(strays) + max(strays)
-    return Score(errors + overstepped + _PER_SENSITIVITY * max(near, 0.0), errors)
+    return Score(errors + overstepped + _PER_SENSITIVITY * beyond, errors)
 
 
 def _mean_log(errors: Iterable[float]) -> float:

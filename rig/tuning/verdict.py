@@ -1,5 +1,6 @@
 """What gains come to on the whole ensemble, on plants as fine as those that experiments run on."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -33,6 +34,8 @@ class EnsembleVerdict(NamedTuple):
         On each.
     margins : tuple of ClosedLoop
         On plants drawn from the ensemble.
+    measured : bool
+        Whether they were measured there; else they are a linear model's.
     cost : float
         What the search minimises.
     """
@@ -42,6 +45,7 @@ class EnsembleVerdict(NamedTuple):
     trials: tuple[Trial, ...]
     margins: tuple[ClosedLoop, ...]
     cost: float
+    measured: bool = False
 
     @property
     def lost(self) -> list[Member]:
@@ -98,20 +102,26 @@ def _fate(trial: Trial) -> str:
 
 
 def judge(bench: Workbench, gains: Mapping[str, float]) -> EnsembleVerdict:
-    """Run gains on every corner of the ensemble, and look at the margins of drawn plants."""
+    """Run gains on every corner of the ensemble, and look at the margins of drawn plants.
+
+    Of those the few that may miss the bound cost nothing.
+    """
     members = tuple(bench.ensemble.corners())
     trials = tuple(bench.trial(gains, member, coarse=False) for member in members)
-    margins = bench.margins(gains, [bench.ensemble.nominal, *bench.ensemble.draw(DRAWN)])[1:]
-    return EnsembleVerdict(
-        dict(gains), members, trials, tuple(margins), score(trials, margins).cost
-    )
+    drawn = bench.ensemble.draw(DRAWN)
+    measured = bench.measured(gains, drawn)
+    margins = measured or bench.margins(gains, [bench.ensemble.nominal, *drawn])[1:]
+    far = sorted(margins, key=lambda margin: margin.sensitivity)[: math.ceil(ENOUGH * len(margins))]
+    cost = score(trials, far).cost
+    return EnsembleVerdict(dict(gains), members, trials, tuple(margins), cost, bool(measured))
 
 
 def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence[str]:
     """Return why gains are not to be put in force; empty: nothing speaks against them.
 
     Less error pays for no bound: gains that miss one, and by more than those in force do, are left
-    to who asks for them. Those that lose a plant are no measure: it ended before it could swing.
+    to who asks for them, as are those that lose more plants. Gains in force that lose a plant are
+    no measure of the rest: it ended before it could swing.
 
     Parameters
     ----------
@@ -121,11 +131,8 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequ
         Of motion in a hold, SI.
     """
     found = []
-    if now.lost:
-        found.append(
-            f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there, "
-            f"the worst of them: {now.losses}"
-        )
+    if len(now.lost) > len(before.lost):
+        found.append(_lost(now, before))
     if now.robust < ENOUGH and now.robust <= before.robust:
         found.append(f"bound missed: {_margin(now, before)}")
     if now.cost >= before.cost:
@@ -133,6 +140,13 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequ
     if not before.lost:
         found += [f"worse than before, {bound}" for bound in _missed(now, before, unit, worse=True)]
     return found
+
+
+def _lost(now: EnsembleVerdict, before: EnsembleVerdict) -> str:
+    return (
+        f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there "
+        f"(before: {len(before.lost)}), the worst of them: {now.losses}"
+    )
 
 
 def _margin(now: EnsembleVerdict, before: EnsembleVerdict) -> str:
@@ -183,6 +197,8 @@ def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence
         *_missed(now, before, unit, worse=False),
         *(_missed(now, before, unit, worse=True) if before.lost else ()),
     ]
+    if now.lost and len(now.lost) <= len(before.lost):
+        found.insert(0, f"no more than before, {_lost(now, before)}")
     if before.robust < now.robust < ENOUGH:
         found.insert(0, f"bound missed, though by less than before: {_margin(now, before)}")
     worse = [

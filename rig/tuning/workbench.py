@@ -1,7 +1,7 @@
 """The bench of one rig and law, as a request names it: made once in each process."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
@@ -102,6 +102,14 @@ class Workbench:
         """Return the margins around plants."""
         chosen = with_gains(self.settings, gains)
         return list(self._fine.margins(chosen, [member.numbers for member in members]))
+
+    def measured(
+        self, gains: Mapping[str, float], members: Sequence[Member]
+    ) -> list[ClosedLoop] | None:
+        """Return the margins that are measured on plants that are shaken; None: nothing does."""
+        chosen = with_gains(self.settings, gains)
+        found = self._coarse.measured(chosen, [(member.numbers, member.seed) for member in members])
+        return None if found is None else list(found)
 
     def _bench(self, substep: float | None) -> TuningBench:
         kind = REGISTRY.bench(self.profile.mechanism)

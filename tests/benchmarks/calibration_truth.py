@@ -15,6 +15,7 @@ from rig.assembly import REGISTRY, Backend
 from rig.calibration.catalogue import procedures
 from rig.calibration.recording import Recording
 from rig.calibration.session import read_instruments, record
+from rig.cli import invoke
 from rig.config import find_configs, load_profile
 
 # What is drawn for each procedure, beside what each seed draws anyway (units, noise).
@@ -24,7 +25,8 @@ DRAWN = {
     **truth_of_camera.DRAWN,
     **truth_of_servos.DRAWN,
 }
-"""By procedure, with the rig's name before it if it is not the cylinder's."""
+"""By procedure, with the rig's name before it if it is not the cylinder's, and after it what of it
+is calibrated already, ``"joint wires after encoders regulators"``."""
 
 LOW_SPEED = ("joint-ideal-low-speed friction", "joint-low-speed friction")
 DRAWN_OF_A_FEW = dict.fromkeys(LOW_SPEED, DRAWN["joint friction"])
@@ -34,11 +36,28 @@ DRAWN_FOR = {"joint friction": truth_of_joint_friction.drawn_for}
 """What is drawn anew for each profile and seed."""
 
 
+def calibrated_before(rig, procedures_before, options, out):
+    """Calibrate a rig as a person does; return the configurations with what came of it."""
+    configs = out / "calibrated"
+    shutil.rmtree(configs, ignore_errors=True)
+    shutil.copytree(find_configs()[-1] / "rigs", configs / "rigs")
+    words = [word for option in options for word in ("--set", option)]
+    places = ["--configs", str(configs), "--out", str(out / "before"), "--on", "sim", "--yes"]
+    for procedure in procedures_before:
+        assert invoke(["calibrate", rig, procedure, *places, *words]) == 0
+    shutil.rmtree(out / "before")
+    return configs
+
+
 def calibrate(procedure, seed, out):
     """Calibrate one simulated rig; return (name, estimate, true value) of each quantity."""
     options = [*(DRAWN | DRAWN_OF_A_FEW)[procedure], f"simulation.seed={seed}"]
-    rig, _, name = procedure.rpartition(" ")
-    profile = load_profile(rig or "cylinder", REGISTRY, options, find_configs())
+    called, _, before = procedure.partition(" after ")
+    rig, _, name = called.rpartition(" ")
+    configs = find_configs()
+    if before:
+        configs = [calibrated_before(rig or "cylinder", before.split(), options, out), *configs]
+    profile = load_profile(rig or "cylinder", REGISTRY, options, configs)
     if procedure in DRAWN_FOR:
         options += DRAWN_FOR[procedure](profile, seed)
         profile = load_profile(rig, REGISTRY, options, find_configs())

@@ -34,7 +34,12 @@ _ENCODERS = (
     "simulation.perturbation.encoder_offset=2 mm",
     "loop.rate=500",
 )
+_MEASURED = (*_REGULATORS[:-1], *_ENCODERS)
 _WIRES = ("simulation.perturbation.wire_offset=2 mm", "loop.rate=100")
+_NEARER = "simulation.perturbation.wire_offset=0.5 mm"
+"""Rods that disagree by less than `limits.mismatch`: nobody has measured the wires yet."""
+_EXACT_MONITORS = "plant.regulator.monitor_error=0"
+"""What is told by monitors that nobody has calibrated is told in their own pascals."""
 _FRICTION = (
     "simulation.perturbation.friction=0.3",
     "simulation.perturbation.stribeck=0.3",
@@ -48,7 +53,8 @@ _LEAK = (
 DRAWN = {
     "regulators": _REGULATORS,
     "encoders": _ENCODERS,
-    "wires": _WIRES,
+    "wires": (*_WIRES, _EXACT_MONITORS),
+    "wires after encoders regulators": (*_MEASURED, _NEARER),
     "response": (),
     "friction": _FRICTION,
     "cylinder-locked leak": _LEAK,
@@ -57,7 +63,12 @@ DRAWN = {
     "joint encoders": _ENCODERS,
     # Nobody knows its geometry better when the wires are measured.
     "joint wires": (
-        *_WIRES, "plant.wire_offset=0.5 mm", "simulation.perturbation.geometry=0.02",
+        *_WIRES, _EXACT_MONITORS, "plant.wire_offset=0.5 mm",
+        "simulation.perturbation.geometry=0.02",
+    ),
+    "joint wires after encoders regulators": (
+        *_MEASURED, _NEARER, "plant.wire_offset=0.5 mm",
+        "simulation.perturbation.geometry=0.02",
     ),
     "joint response": (),
 }  # fmt: skip
@@ -154,11 +165,13 @@ TRUE = {
     "regulators": true_of_regulators,
     "encoders": true_of_encoders,
     "wires": true_of_wires,
+    "wires after encoders regulators": true_of_wires,
     "response": true_of_response,
     "friction": true_of_friction,
     "joint regulators": true_of_regulators,
     "joint encoders": true_of_encoders,
     "joint wires": true_of_wires,
+    "joint wires after encoders regulators": true_of_wires,
     "joint response": true_of_response,
 }
 

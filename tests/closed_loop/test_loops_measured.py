@@ -1,5 +1,6 @@
 """A loop that is measured while it runs, on plants that are not as the profile says."""
 
+import math
 import random
 
 import pytest
@@ -12,6 +13,7 @@ from rig.hal import ConfigurationError
 from rig.hal.measured_loop import margins_of
 from rig.mechanisms.cylinder.measured_loop import loop_of_run
 from rig.report.data import load_run
+from rig.tuning.workbench import Request, Workbench
 
 DRAWN = random.Random(5517)
 DEAD_TIME = 5  # ms, of the air; tube and monitor are late beside it
@@ -59,6 +61,43 @@ def test_one_run_tells_what_other_gains_would_do(seed, tmp_path):
     assert foretold.margins.sensitivity == pytest.approx(found.margins.sensitivity, rel=0.15)
     assert foretold.margins.crossover == pytest.approx(found.margins.crossover, rel=0.15)
     assert foretold.margins.delay == pytest.approx(found.margins.delay, rel=0.25)
+
+
+def bench_of(*options):
+    return Workbench(Request("cylinder", "cascade", None, options, None, 0))
+
+
+@pytest.mark.parametrize("seed", SEEDS[:2])
+def test_rig_tune_measures_what_rig_margins_measures(seed, tmp_path):
+    """On a plant that is as told, and that a run has, too: by the bench as by the run's log."""
+    bench = bench_of()
+    told = bench.ensemble.nominal.numbers
+    plant = bench.profile.plant.settings.believed(told)
+    air = f"plant.regulator.dead_time={plant.regulator.dead_time} s"
+    run = loop_of(recorded(tmp_path, f"simulation.seed={seed}", air)).margins
+    (found,) = bench.measured({}, [bench.ensemble.nominal._replace(seed=seed)])
+    assert found.sensitivity == pytest.approx(run.sensitivity, rel=0.08)
+    assert found.crossover == pytest.approx(run.crossover, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", SEEDS[:2])
+def test_rig_tune_sees_dead_time_that_the_law_is_not_told(seed):
+    bench = bench_of()
+    told = bench.ensemble.nominal._replace(seed=seed)
+    late = {**told.numbers, "regulator_dead_time": told.numbers["regulator_dead_time"] + 6e-3}
+    on_time, too_late = bench.measured({}, [told, told._replace(numbers=late)])
+    assert too_late.sensitivity > 1.1 * on_time.sensitivity
+    assert on_time.delay - too_late.delay > 4e-3
+
+
+def test_a_loop_that_cannot_be_told_has_no_margin():
+    """A pair that does not follow the glides, and one whose limits leave no room for them."""
+    bench = bench_of()
+    stuck = {"position_rate": 2.0, "velocity_rate": 5.0, "integral": 100.0, "feedforward.gain": 0.3}
+    (found,) = bench.measured(stuck, [bench.ensemble.nominal])
+    assert found.sensitivity == math.inf
+    narrow = bench_of("cylinder.limits.position=[-8 mm, 8 mm]")
+    assert narrow.measured({}, [narrow.ensemble.nominal]) is None
 
 
 def test_a_run_of_another_reference_tells_no_loop(tmp_path):

@@ -111,7 +111,9 @@ def test_the_compiled_loop_does_to_the_bit_what_law_and_limits_do_one_by_one(law
         way = minimum_jerk(0.0, plan.motion.at(0.0).position, 1.0, cycle * period)
         wanted = PairReference(*way) if before else plan.motion.at((cycle - 1000) * period)
         applied = view.limit(controller.update(state, wanted))
-        assert (truth[0], *applied) == tuple(trace[cycle]), cycle
+        position, difference = 0.5 * (seen[1] - seen[0]), seen[2] - seen[3]
+        read = (applied[0] - applied[1], position, difference)
+        assert (truth[0], *applied, *read) == tuple(trace[cycle]), cycle
         lent.exchange(lent.memory, np.array(applied), seen, truth)
         state = PairState(0.0, 0.5 * (seen[1] - seen[0]), seen[2], seen[3])
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Final, cast
 
 import numpy as np
@@ -20,8 +20,10 @@ from rig.hal.bench import Lend, Trial, TuningBench, Unknown
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.mechanisms.cylinder.probe import Probe
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase, Step
 from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.cylinder.shaken_pair import ShakenLaw, ShakenPair
 from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
@@ -39,7 +41,12 @@ _SETTLING: Final = 1.0
 _LOST: Final = 1.5
 """Farther out than this share of the permitted positions, a pair is lost."""
 _HOME: Final = PairReference(0.0, 0.0, 0.0)
-
+_PROBED: Final = 0.9
+"""Share of the permitted positions that a pair glides over while it is shaken."""
+_UNKNOWN: Final = ClosedLoop(True, math.nan, math.nan, 0.0, math.inf)
+"""The loop of a pair that is lost, sticks, or swings by itself while it is shaken."""
+_TRUE, _SETPOINTS, _SHAKEN = 0, slice(1, 3), slice(3, 6)
+"""Columns of a trace."""
 
 _Settled = tuple[LentPlant, object, Array, Array]
 
@@ -69,6 +76,7 @@ class PairBench(TuningBench):
         )
         if lend(self.told(), 0).channels != len(CHANNELS):
             raise ConfigurationError("the profile's plant is no pair of cylinders")
+        self._probe = _probe(settings)
         self._limits = _limits(settings, period)
         self._settled: dict[tuple[object, ...], _Settled] = {}
         self.duration = len(self._programme.references) * period
@@ -79,35 +87,78 @@ class PairBench(TuningBench):
 
     def trial(self, chosen: object, true: Mapping[str, float], seed: int) -> Trial:
         """Run a law on a plant; see `TuningBench.trial`."""
-        trace, cycles = self.run(chosen, true, seed)
         of = self._programme
+        trace, cycles = self.run(chosen, true, seed)
         if cycles < len(of.references):
             return Trial({}, 0.0, 0.0, math.inf, cycles / len(of.references))
-        errors = trace[:, 0] - of.references[:, 0]
+        errors = trace[:, _TRUE] - of.references[:, 0]
         alarm = round(self._settings.alarms.oscillation.lost / self._period)
         strayed = lasting_error(errors, alarm) / self._settings.limits.following
-        reversals = max(reversals_of(trace[:, k]) for k in (1, 2))
+        reversals = max(reversals_of(asked) for asked in trace[:, _SETPOINTS].T)
         one = errors[:, None]
         return Trial(of.rms(one), of.hunting(one), reversals / self.duration, strayed, 1.0)
 
     def run(self, chosen: object, true: Mapping[str, float], seed: int) -> tuple[Array, int]:
-        """Return position (m) and both setpoints (Pa) of each cycle, and how many it lasted."""
-        law = self._law(chosen, self._model, self._period)
+        """Return what each cycle comes to, and how many it lasted.
+
+        A cycle is the true position (m), both setpoints (Pa), and what tells a loop: their
+        difference (Pa), the position (m) and the pressures' difference (Pa) that were read.
+        """
+        return self._run(self._law_of(chosen), true, seed, self._programme.references)
+
+    def measured(
+        self, chosen: object, plants: Sequence[tuple[Mapping[str, float], int]]
+    ) -> Sequence[ClosedLoop] | None:
+        """Return the margins that are measured on each plant; see `TuningBench.measured`."""
+        if self._probe is None:
+            return None
+        law = self._law_of(chosen)
+        shaken = ShakenLaw(law, self._probe)
+        return [self._measured(law, shaken, self._probe, *plant) for plant in plants]
+
+    def _measured(
+        self, law: AnyNumericLaw, shaken: ShakenLaw, probe: Probe, true: Mapping[str, float],
+        seed: int,
+    ) -> ClosedLoop:  # fmt: skip
+        of = self._shake
+        trace, cycles = self._run(law, true, seed, of.references)
+        if cycles < len(of.references):
+            return _UNKNOWN
+        glides = [
+            (self._period * np.arange(float(end - first)), trace[first:end, _SHAKEN])
+            for _, first, end in of.stretches
+        ]
+        try:
+            return ShakenPair(probe, glides).under(shaken).margins
+        except ValueError:
+            return _UNKNOWN
+
+    @cached_property
+    def _shake(self) -> Programme:
+        assert self._probe is not None
+        approach = AntagonisticPair.approach
+        return Programme.of((self._probe,), self._period, _HOME, approach, tuple)
+
+    def _law_of(self, chosen: object) -> AnyNumericLaw:
+        return self._law(chosen, self._model, self._period)
+
+    def _run(
+        self, law: AnyNumericLaw, true: Mapping[str, float], seed: int, motion: Array
+    ) -> tuple[Array, int]:
         lent, *_ = settled = self._settle(true, seed)
         memory, seen, truth = deepcopy(settled[1:])
         difference = seen[2] - seen[3]
         law.numbers.reset(0.5 * (seen[1] - seen[0]), difference)
         numbers = KernelMemory(law.numbers)
         loop = _loop(type(law.numbers).step, numbers.kind, lent.exchange)
-        motion = self._programme.references
-        trace = np.zeros((len(motion), 3))
+        trace = np.zeros((len(motion), 6))
         return trace, loop(numbers.bytes, memory, seen, truth, motion, self._limits, trace)
 
     def margins(
         self, chosen: object, plants: Sequence[Mapping[str, float]]
     ) -> Sequence[ClosedLoop]:
         """Return the margins around each plant; see `TuningBench.margins`."""
-        law = self._law(chosen, self._model, self._period)
+        law = self._law_of(chosen)
         models = [self._model_of(plant) for plant in plants]
         return [ClosedLoop(*margin) for margin in margins_around(law, models)]
 
@@ -145,6 +196,14 @@ def _usual(settings: CylinderSettings) -> tuple[PairMotion, ...]:
     levels = tuple(middle + share * half for share in (0.0, 0.3, 0.8, 0.0, -0.1))
     steps = Step(half, dwell=2.0, rise=0.5)  # a jump farther than `limits.following` is no motion
     return Sine(half, tones), small, Staircase(levels, rise=0.5, dwell=2.0), steps
+
+
+def _probe(settings: CylinderSettings) -> Probe | None:
+    """Return the glides that tell a loop; None: the permitted positions leave no room for any."""
+    try:
+        return Probe(_PROBED * min(map(abs, settings.limits.position)))
+    except ValueError:
+        return None
 
 
 def _limits(settings: CylinderSettings, period: float) -> Array:
@@ -190,6 +249,11 @@ def _loop(step: LawStep, kind: "np.dtype[np.void]", exchange: Callable[..., None
                 before = setpoints[channel]
                 setpoints[channel] = before + min(max(inside - before, -rate), rate)
             trace[k, 0], trace[k, 1], trace[k, 2] = truth[0], setpoints[0], setpoints[1]
+            trace[k, 3], trace[k, 4], trace[k, 5] = (
+                setpoints[0] - setpoints[1],
+                position,
+                difference,
+            )
             exchange(memory, setpoints, seen, truth)
             if not abs(truth[0]) < lost:
                 return k

@@ -58,7 +58,7 @@ class Probe(PairMotion):
     harmonics: Annotated[tuple[Annotated[int, Ge(1)], ...], MinLen(3)] = _HARMONICS
     settle: Duration = 0.35
     turn: Duration = 0.2
-    repeats: Annotated[int, Ge(2)] = 12
+    repeats: Annotated[int, Ge(2)] = 18
     _ramp: Ramp = field(init=False, repr=False)
     _lines: tuple[tuple[float, float, float], ...] = field(init=False, repr=False)
 

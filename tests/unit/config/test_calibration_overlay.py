@@ -50,6 +50,15 @@ def test_a_resolved_profile_is_not_calibrated_twice(configs):
     assert configs.profile("again") == profile
 
 
+def test_how_well_a_device_was_measured_stays_with_it(configs):
+    measured = "measured:\n- {name: offset, value: 1.2e-4, unit: m, std: 3e-6}\nprovenance:"
+    configs.calibrate("provenance:", measured)
+    profile = configs.profile()
+    assert profile.devices["encoder"].calibration.deviations == {"offset": 3e-6}
+    configs.write("rigs/again.yaml", dump_resolved(profile))
+    assert configs.profile("again") == profile
+
+
 def test_errors_in_values_point_at_the_calibration_file(configs):
     configs.calibrate("offset: 0.12 mm", "offset: 3 N\n  ofset: 1")
     text = messages(configs)

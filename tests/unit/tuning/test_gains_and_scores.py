@@ -1,5 +1,6 @@
 """Gains as a search sees them, the plants that they must bear, and what they are worth."""
 
+import math
 import random
 from collections import Counter
 from functools import reduce
@@ -109,6 +110,16 @@ def test_an_ensemble_goes_to_its_bounds_and_never_beyond():
     assert [m.numbers for m in ensemble.draw(300)] == [m.numbers for m in drawn]
 
 
+def test_other_units_are_the_same_plants_with_seeds_that_no_corner_has():
+    ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
+    corners = ensemble.corners()
+    units = ensemble.other_units(corners[1:4])
+    assert [unit.numbers for unit in units] == [m.numbers for m in corners[1:4] for _ in range(2)]
+    seeds = {unit.seed for unit in units}
+    assert len(seeds) == 6
+    assert not seeds & {m.seed for m in (*corners, *ensemble.draw(200))}
+
+
 def test_what_was_measured_varies_less_and_nothing_else():
     ensemble = Ensemble(TOLD, UNKNOWNS, ("response",), 3)
     assert ensemble.bounds == {
@@ -154,6 +165,15 @@ def test_less_error_less_hunting_and_more_margin_are_never_worse(seed):
 def test_ten_times_the_error_costs_the_same_more_on_any_rig():
     at = [score([trial(error)] * 3, [STABLE]).cost for error in (1e-5, 1e-4, 1e-3)]
     assert at[1] - at[0] == pytest.approx(at[2] - at[1])
+
+
+def test_a_margin_that_is_missed_costs_by_its_ratio_and_one_that_is_kept_nothing():
+    at = {
+        near: score([trial()], [STABLE, STABLE._replace(sensitivity=near)]).cost
+        for near in (1.0, 1.6, 2.0, 2.4, math.inf)
+    }
+    assert at[1.0] == at[1.6] < at[2.0] < at[2.4] < at[math.inf] < LOST
+    assert at[2.4] - at[2.0] == pytest.approx(20.0 * math.log(1.2))
 
 
 def test_gains_that_lose_a_plant_or_are_not_stable_are_behind_all_others():

@@ -9,7 +9,7 @@ from rig.hal.bench import Trial
 from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.candidate import cost_of
 from rig.tuning.gains import place_of
-from rig.tuning.score import LOST
+from rig.tuning.score import LOST, UNSTABLE
 from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch
 from rig.tuning.workbench import Request
 
@@ -28,11 +28,15 @@ class Bench:
         self.settings = SimpleNamespace(a=2.0, b=2.05)
         numbers = list(range(PLANTS))
         self.ensemble = SimpleNamespace(
-            corners=lambda: numbers, first=lambda: (0, 1), near=lambda: [0], nominal=0
-        )
+            corners=lambda: numbers, first=lambda: (0, 1), near=lambda: [0, 1], nominal=0,
+            other_units=lambda members: [10 + member for member in members],
+        )  # fmt: skip
 
     def margins(self, gains, members):
         return [STABLE for _ in members]
+
+    def measured(self, gains, members):
+        return None
 
     def trial(self, gains, member, *, coarse):
         stopped = member == PLANTS - 1 and gains["a"] > self.bears
@@ -96,3 +100,30 @@ def test_only_where_all_plants_are_asked_for_one_that_stops_is_lost():
     assert cost_of(bench, gains, (0, PLANTS - 1)) < 0.5 * LOST
     assert cost_of(bench, gains, range(PLANTS)) > 0.5 * LOST
     assert cost_of(bench, {"a": 4.0, "b": 1.0}, range(PLANTS)) < 0.5 * LOST
+
+
+def test_margins_that_are_measured_have_the_word_and_on_the_plants_nearest_to_instability():
+    bench, shaken = Bench(), []
+    near = {0: 1.4, 1: 1.65}
+    bench.margins = lambda gains, members: [STABLE._replace(sensitivity=near[m]) for m in members]
+    gains, cost = {"a": 4.0, "b": 1.0}, {}
+
+    def measured(gains, members):
+        shaken.extend(members)
+        return [STABLE._replace(sensitivity=found) for _ in members]
+
+    cost["linear"] = cost_of(bench, gains, (0, 1))
+    bench.measured = measured
+    for found in (1.6, 2.0):
+        cost[found] = cost_of(bench, gains, (0, 1))
+    assert cost["linear"] == cost[1.6] < cost[2.0]
+    assert shaken[:2] == [11, 10]
+
+
+def test_gains_that_hardware_would_be_refused_with_are_behind_those_that_lose_a_plant():
+    bench = Bench()
+    bench.bears = 5.0
+    gains = {"a": 6.0, "b": 1.0}
+    lost = cost_of(bench, gains, range(PLANTS))
+    bench.margins = lambda gains, members: [STABLE._replace(sensitivity=2.1) for _ in members]
+    assert lost < cost_of(bench, gains, (0, 1)) < UNSTABLE

@@ -19,11 +19,24 @@ def test_the_worst_of_the_lost_plants_are_named_with_what_became_of_them():
     now = verdict((0.1, 1.0), (1.25, 1.0), (math.inf, 0.62), (2.5, 1.0), (1.1, 1.0))
     before = verdict((0.1, 1.0))._replace(cost=2.0)
     (said,) = objections(now, before, "m")
-    assert said.startswith("they lose 4 of 5 plants, or would be stopped there, the worst of them:")
+    assert said.startswith(
+        "they lose 4 of 5 plants, or would be stopped there (before: 0), the worst of them:"
+    )
     assert said.endswith(
         "plant 2 (lost after 62 % of the motion); plant 3 (2.5 times the error that stops the "
         "rig); plant 1 (1.2 times the error that stops the rig)"
     )
+
+
+def test_gains_that_lose_fewer_plants_than_those_in_force_are_put_in_force_and_say_so():
+    before = verdict(*[(2.0, 1.0)] * 3, (0.1, 1.0))._replace(cost=2.0)
+    now = verdict(*[(2.0, 1.0)] * 2, (0.1, 1.0), (0.1, 1.0))
+    assert not objections(now, before, "m")
+    assert trades(now, before, "m")[0].startswith(
+        "no more than before, they lose 2 of 4 plants, or would be stopped there (before: 3), "
+    )
+    (said,) = objections(before._replace(cost=0.5), now, "m")
+    assert said.startswith("they lose 3 of 4 plants, or would be stopped there (before: 2), ")
 
 
 def test_nothing_is_said_of_plants_that_are_borne():

@@ -13,7 +13,8 @@ to second order. Readings of the inclinometer err independently.
 
 The shortening is the drawing's. Where the ring leans, a joint that was made differently shifts the
 rods, in proportion to the lean. So everything within `joint.tolerance` is part of the intervals,
-equally likely (JCGM 101); with the ring upright nothing of it is left.
+equally likely (JCGM 101); with the ring upright nothing of it is left. A wire has the whole of what
+the readings of its rod and of its chamber are off by, the mean of all a part of it.
 """
 
 import math
@@ -31,6 +32,7 @@ from rig.config import Profile
 from rig.mechanisms.joint.calibration import sighting_model
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.rod_readings import Part, in_mean, rod_errors
 from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, WireSweeps, ends_of_sweeps
 
 INCLINOMETER_ACCURACY: Final = 2e-4
@@ -119,6 +121,12 @@ def wire_offsets(
         ]
         for k in (0, 1)
     ]
+    rods = rod_errors(profile, pneumatics)
+    give = 1e-3 * float(found.values[1] + lean.values[1])
+    own_home = [_in_thousandths(rod.home(pneumatics.area, give)) for rod in rods]
+    own_give = [_in_thousandths(rod.compliance(give)) for rod in rods]
+    scattered = parts[0]
+    parts = [[*scattered, *in_mean(own_home)], [*parts[1], *in_mean(own_give)]]
     home, compliance = (
         _sum(name, unit, 1e-3 * float(found.values[k] + lean.values[k]), parts[k], leaning[k])
         for k, (name, unit) in enumerate((("home", "m"), ("compliance", "m/N")))
@@ -135,7 +143,7 @@ def wire_offsets(
             (0.0, 0.0, 0.0), (0.1, 0.01, 0.01),
         ).parameter(0, "", "mm")  # fmt: skip
         offsets.append(1e-3 * own.value)
-        others = [*parts[0], (own.std, len(side) - 3.0)]
+        others = [*scattered, *own_home[k], (own.std, len(side) - 3.0)]
         value = home.value + offsets[-1]
         each.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
     return WireEstimates(home, compliance, tuple(each), tuple(offsets))
@@ -185,6 +193,10 @@ def _sum(
     """
     std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
     return estimate_of_sum(name, value, unit, std, freedom, even=made.tolist())
+
+
+def _in_thousandths(parts: Sequence[Part]) -> tuple[Part, ...]:
+    return tuple([(1e3 * std, freedom) for std, freedom in parts])
 
 
 def _believed(profile: Profile) -> dict[str, float]:

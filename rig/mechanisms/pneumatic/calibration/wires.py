@@ -5,7 +5,8 @@ a part of the pull from the wire, on the way down it adds to it. The mean extens
 extrapolated to no pull and no friction, is `home`. Seals slide only after their bristles have bent
 over, which shifts both ways to the same side: `rig.mechanisms.pneumatic.calibration.wire_fit`
 models that over the whole way. Small steps where the pressure turns round show how soft the
-bristles are.
+bristles are. What the readings of calibrated encoders and monitors are off by, all of them alike,
+is part of the intervals: `rig.mechanisms.pneumatic.calibration.rod_readings`.
 
 The mean of a joint's rods hardly depends on how the ring stands. For the single wires see
 `rig.mechanisms.joint.calibration.wire_offsets`.
@@ -17,13 +18,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, Fit
+from rig.calibration.estimates import Estimate, Fit, interval, welch
 from rig.calibration.instruments import Readings
 from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
+from rig.mechanisms.pneumatic.calibration.rod_readings import in_mean, rod_errors
 from rig.mechanisms.pneumatic.calibration.wire_fit import Level, fit_wires
 
 SWEEPS: Final = 3
@@ -131,11 +133,18 @@ class WireSweeps(PneumaticProcedure):
         home, compliance = (1e-3 * float(value) for value in found.values[:2])
         if compliance <= 0.0:
             raise CalibrationRefused("the rods come out as the pull grows: an encoder is reversed")
+        rods = rod_errors(profile, pneumatics)
         wires = WireEstimates(
-            found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home),
-            found.estimate("compliance", "m/N", (0, 1e-3, 0, 0, 0), compliance),
+            _with_errors(
+                found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home), found.freedom,
+                in_mean([rod.home(pneumatics.area, compliance) for rod in rods]),
+            ),
+            _with_errors(
+                found.estimate("compliance", "m/N", (0, 1e-3, 0, 0, 0), compliance), found.freedom,
+                in_mean([rod.compliance(compliance) for rod in rods]),
+            ),
             notes=() if steady else (_UNSTEADY,),
-        )
+        )  # fmt: skip
         wires = self.with_single_wires(profile, data, readings, found, wires)
         stiffness, stretch = _stiffness(
             wires.compliance, pneumatics.area * pneumatics.base_pressure
@@ -171,6 +180,24 @@ def ends_of_sweeps() -> dict[str, int]:
             ("up 1", 1), (f"up {LEVELS}", 1), (f"down {LEVELS}", -1), ("down 1", -1)
         )
     }  # fmt: skip
+
+
+def _with_errors(
+    scattered: Estimate, freedom: float, errors: Sequence[tuple[float, float]]
+) -> Estimate:
+    """Return an estimate that errs besides by what its readings have in common.
+
+    Parameters
+    ----------
+    scattered : Estimate
+        As the levels scatter.
+    freedom : float
+        Degrees of freedom of that.
+    errors : sequence of tuple
+        Standard deviation, in the estimate's unit, and degrees of freedom of each.
+    """
+    std, known = welch([(scattered.std, freedom), *errors])
+    return interval(scattered.name, scattered.value, scattered.unit, std, known)
 
 
 def _stiffness(compliance: Estimate, base_pull: float) -> tuple[Estimate, Estimate]:
