@@ -91,10 +91,10 @@ def test_rig_tune_sees_dead_time_that_the_law_is_not_told(seed):
 
 
 def test_a_loop_that_cannot_be_told_has_no_margin():
-    """A pair that does not follow the glides, and one whose limits leave no room for them."""
+    """A pair that swings out while it glides, and one whose limits leave no room for glides."""
     bench = bench_of()
-    stuck = {"position_rate": 2.0, "velocity_rate": 5.0, "integral": 100.0, "feedforward.gain": 0.3}
-    (found,) = bench.measured(stuck, [bench.ensemble.nominal])
+    wild = {"position_rate": 250.0, "velocity_rate": 700.0, "integral": 2e5}
+    (found,) = bench.measured(wild, [bench.ensemble.nominal])
     assert found.sensitivity == math.inf
     narrow = bench_of("cylinder.limits.position=[-8 mm, 8 mm]")
     assert narrow.measured({}, [narrow.ensemble.nominal]) is None
