@@ -110,3 +110,21 @@ def test_a_joint_that_is_not_held_is_named_with_why(tmp_path, device, fault, siz
     stopped = commission(site, record, steps_of(profile), tmp_path, lambda said: None)
     assert stopped.startswith(begins)
     assert cause in stopped
+
+
+@pytest.mark.parametrize("size", [-10e3, -7e3, 10e3, 15e3])
+def test_a_regulator_that_is_off_is_told_or_found(tmp_path, size):
+    """By how much, beside what its maker states; what is off by more does not pass."""
+    profile = with_fault(unit("cylinder", 2), "antagonist.regulator_offset", size)
+    skip = [step.name for step in steps_of(profile) if step.name != "actuators"]
+    stopped, record, _ = perform(tmp_path, profile, None, 2, skip)
+    found = record["steps"]["actuators"]
+    assert (stopped is None) is found["passed"]
+    assert "antagonist" in found["said"]
+    assert "agonist gives" not in found["said"].replace("antagonist", "")
+    if found["passed"]:
+        assert "of at most 11 kPa: `rig calibrate cylinder regulators` finds that" in found["said"]
+        words = " ".join(found["measured_in_words"])
+        assert "antagonist: gauge off its setpoint" in words
+    else:
+        assert "its setpoint" in found["said"]

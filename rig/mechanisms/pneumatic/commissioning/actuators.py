@@ -6,6 +6,8 @@ from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.config.quantities import parse_reading
 from rig.hal import Vector
+from rig.hal.formats import format_quantity
+from rig.mechanisms.pneumatic.alarms.bounds import STATIC
 from rig.mechanisms.pneumatic.commissioning.chambers import (
     SEEN,
     Chambers,
@@ -38,6 +40,8 @@ _LOOP: Final = (0.1, 2.4)
 shows is held to the gauge."""
 _SHOWN: Final = (0.7, 1.3)
 """Rise of the monitor over that of the gauge, from the one level to the next."""
+_MUCH_OFF: Final = 0.5
+"""Share of what a regulator may be off from which on it is told that it is."""
 _ARRIVES: Final = 0.4
 """Share of a monitor's rise that some gauge shows where the air gets to a chamber, whatever scale
 the monitor has."""
@@ -60,6 +64,9 @@ class RegulatorsAlone(AcceptanceStep):
         with energised(site) as chambers:
             channels, levels = chambers.regulators.channels, _levels_of(chambers)
             lift, unsure = chambers.lift, chambers.unsure
+            least, largest = chambers.regulators.pressure_range
+        most = STATIC * (largest - least) + (unsure if lift > 0.0 else 0.0)
+        remarks: list[str] = []
         for number, channel in enumerate(channels):
             first, then, enough = _FIRST, _THEN, _ENOUGH
             if has_valves:
@@ -85,7 +92,11 @@ class RegulatorsAlone(AcceptanceStep):
                 then, further = _FAR, unsure
             measured.append(_setpoint_scale(channel, high, number, level, then, further))
             measured.append(_monitor_scale(channel, rise, given))
-        return StepResult(tuple(measured))
+            if not has_valves:
+                off = _offset(channel, high.gauge - level, most)
+                measured.append(off)
+                remarks += _remark(site, channel, off)
+        return StepResult(tuple(measured), said=" ".join(remarks))
 
 
 def _levels_of(chambers: Chambers) -> Vector:
@@ -136,8 +147,8 @@ def _find_swapped_wires(channels: tuple[str, ...], number: int, filled: _Filled)
     if rises[shown] < SEEN:
         raise Defect(
             channel,
-            "no monitor shows its pressure: setpoint or monitor is not wired, or the scale of its "
-            "setpoint is much too small",
+            "no monitor shows its pressure: setpoint or monitor is not wired, or zero or scale of "
+            "its setpoint are much too small",
         )
     other = channels[shown]
     if shown != number and filled.whose == channel:
@@ -178,6 +189,22 @@ def _setpoint_scale(
         leaks = filled.rises[number] > _SHOWN[1] * filled.gauge
         why += ", or its tube leaks" if leaks else ", or the supply gives no more"
     return require_within(channel, value, why)
+
+
+def _offset(channel: str, off: float, most: float) -> MeasuredValue:
+    """Return by how much the gauge is off its setpoint; raise if a healthy regulator never is."""
+    name = f"{channel}: gauge off its setpoint"
+    why = "it lets out another pressure than it is asked for by more than its maker states"
+    return require_within(channel, MeasuredValue(name, off, "Pa", -most, most), why)
+
+
+def _remark(site: Site, channel: str, off: MeasuredValue) -> list[str]:
+    """Return what to do about a regulator that is off by much of what its maker states."""
+    if abs(off.value) < _MUCH_OFF * off.high:
+        return []
+    off_by, bound = (format_quantity(value, off.unit) for value in (off.value, off.high))
+    remedy = f"`rig calibrate {site.profile.argument} regulators` finds that"
+    return [f"{channel} gives {off_by} beside what it is asked for, of at most {bound}: {remedy}."]
 
 
 def _monitor_scale(channel: str, rise: float, gauge: float) -> MeasuredValue:
