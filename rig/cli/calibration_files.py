@@ -84,7 +84,7 @@ def _check_target(search: Sequence[Path], rig: str, target: str) -> None:
             names |= {*profile.devices, profile.mechanism, *laws}
     if names and target not in names:
         raise ConfigurationError(
-            f"the rig {rig} has nothing called {target} that could be calibrated; "
+            f"no part of the rig {rig} that could be calibrated is called {target}; "
             f"{nearest(target, names)}"
         )
 

@@ -148,7 +148,7 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
 @click.option(
     "--runs", type=click.Path(path_type=Path, file_okay=False), help="Where run folders live."
 )
-@click.option("--keep", is_flag=True, help="Keep the run folders of cases that went well, too.")
+@click.option("--keep-all", is_flag=True, help="Keep the run folders of cases that went well, too.")
 @configs_option
 @json_option
 def run(
@@ -163,7 +163,7 @@ def run(
     workers: int,
     out: Path | None,
     runs: Path | None,
-    keep: bool,
+    keep_all: bool,
     configs: Path | None,
     as_json: bool,
 ) -> int:
@@ -211,7 +211,7 @@ def run(
             jobs += _jobs(name, full, count, only, experiments, seed, configs)
     folder = make_folder(out, seed)
     with CampaignProgress(len(jobs)) as progress:
-        verdicts = run_cases(jobs, folder, configs, workers, progress.told, keeps=keep)
+        verdicts = run_cases(jobs, folder, configs, workers, progress.told, keeps=keep_all)
     rows = make_rows(verdicts)
     page = _keep(folder, f"Faults of {', '.join(rigs or RIGS)}, seed {seed}", verdicts)
     if as_json:

@@ -133,7 +133,7 @@ def test_what_went_well_is_kept_if_asked_for(
     (case,) = json.loads(capsys.readouterr().out)
     assert case["outcome"] == outcome
     assert not folders("faults")
-    assert invoke(["faults", "run", "case.yaml", "--keep"]) == 0
+    assert invoke(["faults", "run", "case.yaml", "--keep-all"]) == 0
     (folder,) = folders("faults")
     assert "wrongs" not in RunFolder.open(folder).manifest
     (injected,) = [e for e in RunFolder.open(folder).events() if e["kind"] == "injected"]
