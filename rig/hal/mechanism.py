@@ -24,7 +24,9 @@ Reference = TypeVar("Reference")
 Command = TypeVar("Command")
 
 
-class Mechanism(Hindsight[Settings], Standing, Protocol[Settings, State, Reference, Command]):
+class Mechanism(
+    Hindsight[Settings], Standing[State], Protocol[Settings, State, Reference, Command]
+):
     """The loop's view of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,

@@ -24,6 +24,7 @@ class Phase(IntEnum):
 
 
 _APPROACH, _RUN, _STOP = Phase  # a name is found five times faster than an enumeration's member
+_STRAYS = "what an orderly stop released moved off by itself, and was released at once"
 
 
 class Timings(NamedTuple):
@@ -222,4 +223,7 @@ class Phases(Generic[State, Reference, Command]):
         share = min((t - self._stop_at) / duration, 1.0) if duration > 0.0 else 1.0
         if share >= 1.0:
             self.finished = True
+        elif mechanism.strays(state):
+            self.finished = True
+            self.notes.append(Note("stop", _STRAYS))
         return mechanism.blend(self._stopped_from, mechanism.released_command(), share)

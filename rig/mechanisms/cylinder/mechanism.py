@@ -99,8 +99,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self.controller: EstimatingPairController | None = None
         self._encoder_agonist = encoder_agonist
         self._encoder_antagonist = encoder_antagonist
-        limits = settings.limits
-        self._limits = limits
+        self._limits = limits = settings.limits
         # What every cycle looks at, at hand.
         self._lower, self._upper = limits.position
         self._oldest_reading = limits.reading_age
@@ -114,9 +113,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._tracking = TrackingWatch(
             ("the pair",), limits.following, settings.alarms.oscillation, settings.start
         )
-        self._watch = PairWatch(
-            self.settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
-        )
+        self._watch = PairWatch(self.settings, regulators.name, [one.name for one in encoders])
         self._pressure_watch = self._watch.pressures
 
     @classmethod
@@ -259,15 +256,18 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
             logged["reading.pressure_antagonist"],
         )
 
+    def places_of(self, state: PairState) -> tuple[float]:
+        """Return the pair's position, m."""
+        return (state.position,)
+
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)
         _, position, p_agonist, p_antagonist = state
         if not math.isfinite(position + p_agonist + p_antagonist):
             raise SafetyError(f"a reading is not a number: {state}")
-        lower, upper = self._lower, self._upper
-        if not lower <= position <= upper:
-            raise Gone("position of the pair", position, lower, upper, "m")
+        if not self._lower <= position <= self._upper:
+            raise Gone("position of the pair", position, self._lower, self._upper, "m")
         self._position, self._now = position, now
         self._watch.check(state, self._extensions, now)
 

@@ -256,6 +256,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._sample = sample_of(logged, self._sample)
         return JointState(logged["clock"], four_of(logged, "reading.rod"), pressures, self._sample)
 
+    def places_of(self, state: JointState) -> Quadruple:
+        """Return how far the rods have run in, m."""
+        return state.rods
+
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)

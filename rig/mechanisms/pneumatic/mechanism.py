@@ -1,5 +1,6 @@
 """The part of the loop's view that all mechanisms with pneumatic cylinders have in common."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, TypeVar, cast
@@ -93,6 +94,7 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         self._age = 0.0
         self.venting_time = _venting_time(settings)
         self._pressure_watch: PressureWatch
+        self._released_at: Sequence[float] | None = None
 
     @classmethod
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
@@ -146,6 +148,22 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         held = _LEFT_TO_SEALS * settings.friction.coulomb / settings.area
         fullest = max(cast("Sequence[float]", balanced))
         return min(lag * fullest / held, _SLOWEST_RELEASE) if held else _SLOWEST_RELEASE
+
+    @abstractmethod
+    def places_of(self, state: State) -> Sequence[float]:
+        """Return where its rods or pairs are, m."""
+
+    def strays(self, state: State) -> bool:
+        """Return whether a pair moves off as its chambers are vented together; see `Standing`.
+
+        A chamber that leaks, or is stuck, leaves the other one alone.
+        """
+        places = self.places_of(state)
+        if self._released_at is None:
+            self._released_at = places
+        most = self.settings.limits.following
+        ways = (abs(now - then) for now, then in zip(places, self._released_at, strict=True))
+        return any(way > most for way in ways)
 
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""

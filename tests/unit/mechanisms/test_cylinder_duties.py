@@ -81,6 +81,13 @@ def test_a_pair_that_follows_nothing_may_move_by_a_tenth_of_its_range_while_they
             bench.pair.check_still(STILL)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pair_that_is_released_strays_beyond_what_it_may_be_off(side):
+    pair, most = PairBench().pair, pair_settings().limits.following
+    ways = [pair.strays(PairState(0.0, 2e-3 + side * k * most, 0.0, 0.0)) for k in (0, 0.99, 1.01)]
+    assert ways == [False, False, True]
+
+
 # The cause of a fault --------------------------------------------------------------------------
 
 

@@ -77,6 +77,17 @@ def test_a_ring_that_moves_while_its_chambers_fill_is_a_fault(tilt):
             bench.joint.check_still(UP)
 
 
+@pytest.mark.parametrize("rod", [1, 2, 3, 4])
+def test_a_ring_that_is_released_strays_by_any_rod_that_goes_too_far(rod):
+    bench, stood = JointBench(), rods_at(0.2, 0.4)
+    most = bench.joint.settings.limits.following
+    found = []
+    for way in (0.0, 0.99, -0.99, -1.01):
+        bench.place(off(stood, rod, way * most))
+        found.append(bench.joint.strays(bench.cycles(1)))
+    assert found == [False, False, False, True]
+
+
 def test_a_ring_that_nothing_controls_goes_a_fifth_of_its_tilt_at_most_whatever_it_follows():
     """A procedure that sets what follows aside still has the ring stay where it stands."""
     following = 18e-3

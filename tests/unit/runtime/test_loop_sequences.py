@@ -20,7 +20,7 @@ from hypothesis.stateful import (
 )
 from loop_fakes import PERIOD, Bench, FakeBus, FakeClock, FakeMechanism
 
-from rig.cli.reset import _pressed_and_released
+from rig.cli.reset import _wait_for_edge
 from rig.experiment.ending import fault_of
 from rig.experiment.fault_latch import FaultLatch, FaultLatched
 from rig.hal import DeviceFault, EmergencyStop, EmergencyStopInput, Reading
@@ -144,7 +144,7 @@ class Rig(RuleBasedStateMachine):
     def reset(self, looks):
         """Ask for a reset while the contact does this: only a press that is let go of is one."""
         edge = True in looks and False in looks[looks.index(True) :]
-        assert _pressed_and_released(Beside(looks), WAIT) is edge
+        assert (_wait_for_edge(Beside(looks), WAIT, None) is None) is edge
         if edge:  # as `rig reset` does
             FaultLatch("rig").clear()
             self.faulted = False

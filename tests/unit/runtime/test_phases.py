@@ -168,6 +168,20 @@ def test_a_release_lasts_until_what_brakes_by_itself_rests(release, rests, cycle
     assert run.finished
 
 
+def test_a_release_is_cut_short_by_what_moves_off():
+    """Asked in each cycle of it and in no other; the run's events tell."""
+    asked = []
+    run = Run(strays=lambda self, state: asked.append(state) or state == 18.0)
+    run.go(19, stop=10)  # braking and settling take six cycles
+    assert asked == [16.0, 17.0, 18.0]
+    assert run.finished
+    assert [(kind, "released at once" in said) for kind, said in run.notes] == [("stop", True)]
+    quiet = Run()
+    quiet.go(21, stop=10)
+    assert quiet.finished
+    assert quiet.notes == []
+
+
 def test_two_requests_end_a_run_at_once():
     run = Run()
     run.go(10)
