@@ -194,13 +194,14 @@ def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> No
         rows.append((f"error, {name}", *told, *(text(value) for value, _ in worst),
                      worst[1][1].name or "as told"))  # fmt: skip
     head = ("rms", "told: before", "now", "worst: before", "now", "worst where")
+    measured = ", measured" if now.measured else ""
     quiet = [
         ("hunting", text(before.hunting), text(now.hunting)),
         ("reversals of a setpoint", *(f"{v.reversals:.1f} /s" for v in (before, now))),
         ("lost plants", str(len(before.lost)), str(len(now.lost))),
         (
-            f"drawn plants with enough margin{', measured' if now.measured else ''}",
-            *(f"{100 * v.robust:.0f} %" for v in (before, now)),
+            "drawn plants with enough margin",
+            *(f"{100 * v.robust:.0f} %{measured}" for v in (before, now)),
         ),
         ("cost", f"{before.cost:.3f}", f"{now.cost:.3f}"),
     ]  # fmt: skip
