@@ -118,7 +118,7 @@ def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys
 def test_what_a_rig_says_itself_is_not_its_parents(tmp_path, capsys):
     own = [
         "  base_pressure: 50 kPa",
-        "  moving_mass: 0.2 kg",
+        "  moving_mass: 0.14 kg",
         "  friction: {coulomb: 9 N, breakaway: 9 N, stribeck_velocity: 8 mm/s, viscous: 50}",
     ]
     rig = bored(tmp_path, *own)

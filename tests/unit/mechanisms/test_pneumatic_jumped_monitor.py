@@ -153,7 +153,17 @@ def test_in_a_stop_it_is_found_in_the_first_cycle_and_beside_frames_that_were_lo
     vented = Vented(1.0 - 1e-6)
     vented.pass_by([0.0])
     assert vented.pass_by([-JUMP] * 2, is_read=False) == [None, None]
-    assert vented.pass_by([-JUMP] * 3, step=3.0 * STEP)[2] is not None
+    assert vented.pass_by([-JUMP] * 3)[2] is not None
+
+
+@pytest.mark.parametrize("unread", [3, 10])
+def test_what_is_read_seldom_in_a_stop_falls_by_leaps(unread):
+    vented, found = Vented(), []
+    for _ in range(20):
+        vented.pressure *= 0.7
+        found += vented.pass_by([0.0]) + vented.pass_by([0.0] * unread, is_read=False)
+    vented.pressure = 0.0
+    assert set(found + vented.pass_by([0.0]) + vented.pass_by([0.0] * 5)) == {None}
 
 
 @pytest.mark.parametrize("fall", [0.9, 0.7, 0.5])

@@ -9,6 +9,9 @@ _AFTER: Final = 2
 """So many cycles after it a monitor is to stay where it has jumped to: a spike does not."""
 _LATE: Final = 1.5
 """A cycle that takes so many times the last one has missed something of the pressures."""
+_PASSED_OVER = 3.5
+"""In a stop it may take so long: what is read more seldom, as of a module that has stopped, falls
+by leaps."""
 
 
 class JumpedMonitors:
@@ -27,7 +30,7 @@ class JumpedMonitors:
 
     def __init__(self, least: float) -> None:
         self._least = least
-        self._is_stopping = False
+        self._is_stopping, self._unread = False, 0.0
         self._shown: Sequence[float] = ()
         self._step: float
         self._goes_on: bool
@@ -39,8 +42,8 @@ class JumpedMonitors:
     def follow_stop(self) -> None:
         """Look at a safe stop from now on: what is `off` are the pressures themselves.
 
-        Nothing can be tripped any more: a cycle that missed something is passed over, and what
-        jumps back is looked for as well.
+        Nothing can be tripped any more: a cycle or two that missed something are passed over, and
+        what jumps back is looked for as well.
         """
         if not self._is_stopping:
             self._is_stopping, self._last = True, tuple(self._shown)
@@ -61,9 +64,12 @@ class JumpedMonitors:
         """
         is_read, self._shown = shown != self._shown, shown
         if self._is_stopping and not is_read:
+            self._unread += step
             return None
         last, self._last = self._last, tuple(off)
-        if not last or (not self._is_stopping and (step > _LATE * self._step or not is_read)):
+        since, self._unread = step + self._unread, 0.0
+        most = _PASSED_OVER if self._is_stopping else _LATE
+        if not last or since > most * self._step or not is_read:
             self._restart(len(off), step)
             return None
         goes_on, self._goes_on, self._step = self._goes_on, True, step
