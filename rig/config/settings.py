@@ -43,7 +43,7 @@ from rig.config.located import Node
 from rig.config.magnitudes import bounded
 from rig.config.named_files import with_files_beside
 from rig.config.pydantic_errors import report, report_rule
-from rig.config.quantities import UnitError, parse_quantity, usual_units
+from rig.config.quantities import UnitError, parse_quantity, parse_unit, usual_units
 from rig.config.repair import rules_besides
 from rig.config.type_hints import hints, is_union, members, split_annotated
 from rig.config.unitless import find_unitless
@@ -175,6 +175,7 @@ def _single_schema(hint: object) -> CoreSchema:
     )
     if unit is None:
         return number
+    parse_unit(unit)  # one that does not exist is told before a value is written in it
     return core_schema.no_info_before_validator_function(partial(_parse, unit), number)
 
 

@@ -382,6 +382,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/jumped.py",
+        "self._is_stopping, self._unread = False, 0.0",
+        "0.0 -> 1.0",
+        "the first cycle looks for no jump, and sets it",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/jumped.py",
         "self._stayed = [0] * count",
         "0 -> 1",
         "a jump begins its count itself",

@@ -170,8 +170,11 @@ def test_another_profile_of_the_same_wires_meets_the_fault(latch):
         r"\(.*, runs/one\); find the cause and mend it, then: rig reset configs/joint.yaml$"
     )
     copy = FaultLatch.of(on_wires("copy", "can1", "can2"))
-    with pytest.raises(FaultLatched, match=told):
+    with pytest.raises(FaultLatched, match=told) as caught:
         copy.check()
+    assert caught.value.told in str(caught.value)
+    assert caught.value.told.startswith("joint is on socketcan can1 as well, and its last fault")
+    assert caught.value.remedy == "rig reset configs/joint.yaml"
     assert copy.reason() is None
     for other in (on_wires("arm", "can2"), on_wires("arm", "can1", interface="kvaser")):
         FaultLatch.of(other).check()

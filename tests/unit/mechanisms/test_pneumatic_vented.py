@@ -5,6 +5,7 @@ from joint_fakes import CHANNELS
 from pressure_bench import NEVER, START, STEP, pressure_bounds
 
 from rig.hal import SafetyError
+from rig.hal.devices import VENTED
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.vented import explain_left
 from rig.mechanisms.pneumatic.settings import RegulatorModel
@@ -113,3 +114,34 @@ def test_what_says_less_than_nothing_knows_nothing(rig):
 def test_nothing_was_ever_read():
     watch = PressureWatch(pressure_bounds(), RegulatorModel(), CHANNELS, "valves")
     assert explain_left(watch, SAFE, SAFE, 0.0) == ""
+
+
+class Told:
+    """A watch whose monitors have jumped by so much."""
+
+    device, names = "valves", ("ch1", "ch2")
+
+    def __init__(self, *jumps):
+        self.jumps = jumps
+
+    def follow_stop(self, pressures, setpoints, now):
+        """Nothing jumps meanwhile."""
+
+
+@pytest.mark.parametrize(
+    ("jump", "shown", "safe", "named"),
+    [
+        (0.0, 50e3, 0.0, False),  # its regulators say that themselves
+        (-40e3, VENTED - 40e3, 0.0, False),
+        (-40e3, VENTED - 40e3 + 1.0, 0.0, True),
+        (-40e3, VENTED + 60e3, 100e3, False),  # it is to hold as much
+        (-40e3, VENTED + 61e3, 100e3, True),
+        (0.0, -VENTED, 0.0, False),
+        (0.0, -VENTED - 1.0, 0.0, True),
+        (-40e3, -VENTED - 40e3 - 1.0, 0.0, True),
+    ],
+)
+def test_more_than_a_vented_chamber_may_hold_is_told_and_no_less(jump, shown, safe, named):
+    said = explain_left(Told(0.0, jump), (0.0, shown), (0.0, safe), 1.0)
+    assert ("ch2 still holds" in said) == named
+    assert "ch1" not in said

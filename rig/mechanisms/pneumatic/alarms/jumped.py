@@ -45,8 +45,7 @@ class JumpedMonitors:
         Nothing can be tripped any more: a cycle or two that missed something are passed over, and
         what jumps back is looked for as well.
         """
-        if not self._is_stopping:
-            self._is_stopping, self._last = True, tuple(self._shown)
+        self._is_stopping, self._last = True, tuple(self._shown)
 
     def find(
         self, off: Sequence[float], shown: Sequence[float], step: float
