@@ -190,10 +190,16 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "every fourth cycle is every fourth one, counted up or down",
     ),
     Equivalent(
-        "rig/cli/reset.py",
-        "return False",
-        "return False -> return None",
-        "who asks only looks whether it is true",
+        "rig/mechanisms/pneumatic/alarms/tracking.py",
+        "self._furthest = -math.inf if rises else math.inf",
+        "rises -> True",
+        "an extreme that is infinite ends with the next one",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/tracking.py",
+        "self._error = Turns(self._error.distance, rises=error < 0.0)",
+        "error < 0.0 -> error <= 0.0",
+        "from nought either way leads to the same extremes",
     ),
     *(
         Equivalent(

@@ -209,3 +209,50 @@ def test_an_interface_is_passed_on_with_the_profile_as_it_was_asked_for(bench, t
     assert on == "socketcan:can7"
     assert profile.overrides == ("a.b=1",)
     assert profile.configs == (tmp_path,)
+
+
+def test_whoever_does_not_confirm_resets_nothing(bench, monkeypatch):
+    result, latch, _ = bench(FakeRig(has_contact=False), "--yes", "another")
+    assert "--yes another: this is the rig the lab-rig" in result.stderr
+    monkeypatch.setattr("rig.cli.confirm.confirm", lambda name, yes: False)
+    result, latch, _ = bench(FakeRig(has_contact=False))
+    assert (result.return_value, latch.cleared) == (2, 0)
+
+
+def test_a_contact_that_was_closed_and_falls_silent_was_heard(bench):
+    made = FakeRig()
+    made.is_pressed = lambda: None if made.time > 51.0 else False
+    result, _, _ = bench(made, "--wait", "3")
+    assert "its circuit was closed all the time" in result.stderr
+
+
+@pytest.mark.parametrize("reason", [None, "it fell"])
+@pytest.mark.parametrize("presses", [True, False])
+def test_in_simulation_it_is_rehearsed_and_resets_nothing(bench, monkeypatch, reason, presses):
+    made, acted, asked = FakeRig(None, False), [], []
+
+    class Hands:
+        def act(self, since):
+            acted.append(since)
+            made._open = (0.0, 0.5)
+
+    def hands_at(rig, on):
+        asked.append((rig, on))
+        return Hands() if presses else None
+
+    monkeypatch.setattr("rig.cli.stop_hands.hands_at", hands_at)
+    result, latch, ((_, backend, on),) = bench(made, "--on", "sim", "--wait", "3", reason=reason)
+    assert (result.return_value, latch.cleared) == (0 if presses else 3, 0)
+    assert (backend, on, asked) == (Backend.SIM, None, [(made, None)])
+    assert acted == (pytest.approx(made.looks) if presses else [])
+    held = "it has no latched fault" if reason is None else "it stays latched"
+    said = f"a rehearsal on sim: on hardware this resets the lab-rig; {held}"
+    assert (said in result.stderr) == presses
+    made.time = 50.0
+    result, _, _ = bench(made, "--on", "sim", "--wait", "3", "--json", reason=reason)
+    assert json.loads(result.stdout) == {
+        "rig": "the lab-rig",
+        "was_latched": reason,
+        "is_latched": reason is not None,
+        "rehearsed": presses,
+    }

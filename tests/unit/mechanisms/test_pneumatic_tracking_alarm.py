@@ -345,14 +345,32 @@ def test_what_a_step_leaves_behind_is_no_swing_but_what_goes_on_is_one(size):
     assert "oscillates" not in watched.suspicion(0.05)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_swings_after_a_step_is_counted_from_there_on_either_side(side):
+    """Six swings of 2 mm in all, of which the first four were before it."""
+    said = []
+    for steps in (0.0, 8e-3):
+        watched, found = watch(), None
+        for k, error in enumerate([0.0, *[2e-3, -2e-3] * 8]):
+            goal = side * steps * (k >= 5)
+            try:
+                watched.check((goal,), (goal + side * error,), 0.125 * k)
+            except SafetyError:
+                found = found or k
+        said.append(found)
+    before, after = said
+    assert after == 13 > before + 4
+
+
 def test_a_limit_that_is_exceeded_right_after_a_step_is_told_with_it():
-    watched = watch(names=("ch1", "ch2"))
-    watched.check((0.0, 0.0), (0.0, 0.0), 1.0)
-    watched.check((0.0, -18e-3), (0.0, 0.0), 1.0 + PERIOD)
-    for later in (0.0, 0.29):
-        said = watched.suspicion(1.0 + PERIOD + later)
+    alarm = OscillationAlarm(amplitude=1.5e-3, swings=6, slowest=1.0, lost=0.25)
+    watched = watch(names=("ch1", "ch2"), alarm=alarm)
+    watched.check((0.0, 0.0), (0.0, 0.0), 1.0 - 2.0**-10)
+    watched.check((0.0, -18e-3), (0.0, 0.0), 1.0)
+    for later in (0.0, 0.25):
+        said = watched.suspicion(1.0 + later)
         assert said == "ch2 follows a step of its reference by -18 mm"
-    assert watched.suspicion(1.31) is None
+    assert watched.suspicion(1.25 + 2.0**-20) is None
     smooth = watch()
     for k in range(100):
         smooth.check((0.7e-3 * k,), (0.7e-3 * k,), PERIOD * k)

@@ -108,7 +108,7 @@ class _Swings:
         self._wanted = Turns(self._turn)
         self._goal = math.nan
         self._turned: list[tuple[float, float]] = []
-        self.step = 0.0, -math.inf
+        self.step = math.nan, -math.inf
         """The last jump of the reference, m, and when it was, s."""
         self.size = math.nan
         """Of the last swing from one extreme to the next, m."""
