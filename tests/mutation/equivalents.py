@@ -113,6 +113,18 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     *(
         Equivalent("rig/mechanisms/pneumatic/alarms/balance.py", line, change, why)
         for line, change, why in (
+            *(
+                (
+                    "if t < self._history[-1][0] - over:",
+                    change,
+                    "it only saves time: who balances forces looks at the last moments alone",
+                )
+                for change in (
+                    "t < self._history[-1][0] - over -> False",
+                    "-1 -> 1",
+                    "1 -> 2",
+                )
+            ),
             (
                 "return 0.0, missing_pull(late, self._mass, self._friction, sticks=True)",
                 "0.0 -> 1.0",

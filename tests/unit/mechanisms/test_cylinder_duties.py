@@ -88,6 +88,16 @@ def test_a_pair_that_is_released_strays_beyond_what_it_may_be_off(side):
     assert ways == [False, False, True]
 
 
+@pytest.mark.parametrize(("k", "chamber"), [(0, "agonist"), (1, "antagonist")])
+def test_a_chamber_whose_monitor_has_jumped_is_not_known_to_be_vented(k, chamber):
+    bench = PairBench()
+    for cycle in range(3):
+        bench.cycle(cycle * PERIOD)
+    assert bench.pair.unsafe(3 * PERIOD) == ""
+    bench.pair._watch.pressures.jumps[k] = -500e3
+    assert f": {chamber} still holds " in bench.pair.unsafe(4 * PERIOD)
+
+
 # The cause of a fault --------------------------------------------------------------------------
 
 

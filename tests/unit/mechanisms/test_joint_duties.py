@@ -88,6 +88,15 @@ def test_a_ring_that_is_released_strays_by_any_rod_that_goes_too_far(rod):
     assert found == [False, False, False, True]
 
 
+@pytest.mark.parametrize("k", range(4))
+def test_a_chamber_whose_monitor_has_jumped_is_not_known_to_be_vented(k):
+    bench = JointBench()
+    state = bench.cycles(3)
+    assert bench.joint.unsafe(state.t + 1e-3) == ""
+    bench.joint._watch.pressures.jumps[k] = -500e3
+    assert f": ch{k + 1} still holds " in bench.joint.unsafe(state.t + 2e-3)
+
+
 def test_a_ring_that_nothing_controls_goes_a_fifth_of_its_tilt_at_most_whatever_it_follows():
     """A procedure that sets what follows aside still has the ring stay where it stands."""
     following = 18e-3

@@ -244,6 +244,18 @@ def test_what_has_run_off_and_stands_does_so_for_a_reason_only_if_more_pulls_it_
     assert torn.explain_strayed(-4e-3, 0, ran=ran, lasted=True) is None, "it is pulled there"
 
 
+def test_it_is_the_first_pair_if_none_is_named():
+    torn = slid(0.0, 100e3, 100e3, 190e3, 100e3)
+    assert torn.explain_strayed(4e-3, ran=False, lasted=True) is not None
+
+
+def test_what_pulls_back_is_the_mean_of_all_late_cycles():
+    watch = balance()
+    for k in range(21):
+        watch.note(1e-3 * k, (0.0,) * 4, (0.0, 0.0, 240e3 * (k % 2), 0.0))
+    assert ": it stays off though 23 N pull it back" in watch.explain_off(4e-3, 0)
+
+
 def test_who_has_no_past_has_run_off():
     said = balance().explain_strayed(4e-3, 0, ran=True, lasted=True)
     assert said == balance().explain_gone(4e-3, 0)
