@@ -13,6 +13,7 @@ from pneumatic_fakes import (
 )
 
 from rig.hal import LimitExceeded, SafetyError
+from rig.mechanisms.cylinder.watch import _Readings
 from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm
 
 # Their agreement --------------------------------------------------------------------------
@@ -145,3 +146,11 @@ def test_which_rod_stood_still_is_said_by_half_its_chambers_pull():
     rods.cycle(0.0, 0.0)
     with pytest.raises(LimitExceeded, match="drifts or has a wrong scale"):
         rods.cycle(2 * MISMATCH + 2 * TINY, 0.0)
+
+
+@pytest.mark.parametrize(("way", "drag"), [(20e-6, 1.0), (21e-6, 0.0)])
+def test_a_rod_that_moves_by_no_more_than_noise_is_braked_by_all_of_its_friction(way, drag):
+    """To and fro from nought: of four late ways two lead out, each to the bound itself."""
+    watch = Rods().watch
+    watch._history.extend(_Readings((out, 0.0), (0.0, 0.0), 0.0) for out in (0.0, way) * 3)
+    assert watch._drag(0) == pytest.approx(drag)
