@@ -51,7 +51,6 @@ def plant_remarks(profile: Profile) -> Iterator[str]:
         if believed is None or true is None or abs(believed - true) <= _MOST * believed:
             continue
         yield (
-            f"{ours} is {format_quantity(believed, unit)}, and {theirs} "
-            f"is {format_quantity(true, unit)}: {so}; say both "
-            "alike"
+            f"{ours} is {format_quantity(believed, unit)}, and {theirs} is "
+            f"{format_quantity(true, unit)}: {so}; say both alike"
         )

@@ -119,9 +119,8 @@ def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[
     problems: list[str] = []
     for name, spec in specs.items():
         measure = spec.measure or name
-        if (
-            measure not in known and measure not in facts
-        ):  # it came with the run, and so did its value
+        if measure not in known and measure not in facts:
+            # It came with the run, and so did its value.
             metrics += _as_recorded(folder, measure)
             continue
         try:

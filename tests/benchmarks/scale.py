@@ -229,7 +229,7 @@ def draw(path, cycles, logs, minutes, lengths, points, workers):
         (axes[1], logs, "channels of a log"),
     ):
         axis.plot(x, 1e6 * np.array(y), "o-")
-        axis.set(xlabel=what, ylabel="us a cycle", ylim=(0, None))
+        axis.set(xlabel=what, ylabel="µs a cycle", ylim=(0, 1.1e6 * max(y)))
     for name, rows in lengths.items():
         seconds, memory = np.array(rows).T
         axes[2].plot(minutes, seconds, "o-", label=name)
@@ -237,11 +237,17 @@ def draw(path, cycles, logs, minutes, lengths, points, workers):
     axes[2].set(xlabel="length of a run at 1 kHz, min", ylabel="s", xscale="log", yscale="log")
     axes[3].set(xlabel="length of a run at 1 kHz, min", ylabel="MB", xscale="log", ylim=(0, None))
     axes[2].legend()
+    axes[3].legend()
     each = [1e3 * spent / count for count, (spent, _) in zip(POINTS, points, strict=True)]
     axes[4].plot(POINTS, each, "o-")
-    axes[4].set(xlabel="points of a sweep", ylabel="ms a point", xscale="log", ylim=(0, None))
+    axes[4].set(
+        xlabel="points of a sweep", ylabel="ms a point", xscale="log", ylim=(0, 1.1 * max(each))
+    )
     axes[5].plot(WORKERS, workers, "o-")
-    axes[5].set(xlabel="workers of a sweep", ylabel="points of a second, a second")
+    axes[5].set(
+        xlabel="workers of a sweep", ylabel="points of 1 s done in a second", ylim=(0, None)
+    )
+    axes[5].set_xticks(WORKERS)
     for axis in axes:
         axis.grid(alpha=0.3)
     figure.savefig(path, dpi=110)
