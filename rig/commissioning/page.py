@@ -11,8 +11,8 @@ from rig.report.markup import Html, element, join, page, section, table
 from rig.whole_file import write_whole
 
 _FACTS = (
-    ("on", "backend"), ("by", "operator"), ("date", "date"), ("until", "valid_until"),
-    ("program", "program"), ("digest", "digest"),
+    ("on", "backend"), ("computer", "host"), ("by", "operator"), ("date", "date"),
+    ("until", "valid_until"), ("program", "program"), ("digest", "digest"),
 )  # fmt: skip
 _STEPS = ("step", "what happens, and what is expected", "measured", "verdict")
 
@@ -26,7 +26,9 @@ def write_page(configs: Path, record: Content, steps: Sequence[AcceptanceStep]) 
         It cannot be written.
     """
     title = f"{record['rig']}: acceptance test"
-    facts = table("Circumstances", (), [(name, str(record[key])) for name, key in _FACTS])
+    facts = table(
+        "Circumstances", (), [(name, str(record[key])) for name, key in _FACTS if key in record]
+    )
     rows = [_row(step, record["steps"][step.name]) for step in steps]
     text = page(
         title,

@@ -4,6 +4,7 @@ import getpass
 import hashlib
 import json
 import os
+import socket
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib import metadata
@@ -47,6 +48,7 @@ class _Record(TypedDict):
     steps: dict[str, _Step]
     profile: NotRequired[str]
     seed: NotRequired[int]
+    host: NotRequired[str]
 
 
 class CommissioningState(NamedTuple):
@@ -177,7 +179,9 @@ def new_record(
         "valid_until": until,
         "backend": backend,
         # Of a simulation: another seed is another unit of the rig.
-        **({} if backend == HARDWARE else {"seed": profile.simulation.seed}),
+        **({"seed": profile.simulation.seed} if backend != HARDWARE else {}),
+        # Of a real rig: the computer was tested along with it, its wake-ups and its wires.
+        **({"host": socket.gethostname()} if backend == HARDWARE else {}),
         "program": _version(),
         "settings": tested_settings(profile),
         "digest": "",
@@ -239,6 +243,10 @@ def judge(
     digest, is_changed = content["digest"], content["settings"] != tested_settings(profile)
     if content["backend"] != backend:
         lack = f"it was commissioned on {content['backend']}, not on {backend}"
+        return CommissioningState(digest, lack, is_changed=is_changed)
+    host, here = content.get("host"), socket.gethostname()
+    if host not in (None, here):
+        lack = f"it was commissioned with another computer ({host}; this is {here})"
         return CommissioningState(digest, lack, is_changed=is_changed)
     if is_changed:
         lack = "its profile was changed since it was commissioned"

@@ -86,8 +86,9 @@ def begin(
     new = new_record(
         profile, circumstances.backend, circumstances.operator, until.isoformat(), search
     )
-    same = ("backend", "seed", "settings", "program")
-    if kept is None or any(kept.get(key) != new.get(key) for key in same):
+    same = ("backend", "seed", "host", "settings", "program")
+    # A record of before computers were named is taken as of this one.
+    if kept is None or any(kept.get(key, new.get(key)) != new.get(key) for key in same):
         return new
     return dict(kept)
 

@@ -6,13 +6,18 @@ The hardware is emulated nodes in virtual time, which the program takes for real
 import json
 import re
 import shutil
+import socket
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rig.assembly import REGISTRY, Backend
 from rig.cli import invoke
-from rig.commissioning.record import load_record, write_record
+from rig.commissioning.permission import verdict_of
+from rig.commissioning.record import load_record, new_record, write_record
+from rig.commissioning.session import CommissioningFacts, begin
+from rig.config import load_profile
 from rig.runtime.log import read_log
 
 COMMISSIONS = True
@@ -74,7 +79,8 @@ def commissioned(rig, passed):
 
     def write(**changes):
         shutil.copytree(passed, rig.configs / "commissioning", dirs_exist_ok=True)
-        content = dict(load_record("cylinder", [rig.configs]))
+        record = load_record("cylinder", [rig.configs])
+        content = {key: record[key] for key in record if key not in ("seed", "seal")}
         write_record(rig.configs, {**content, "backend": "hardware", **changes})
         return content["digest"]
 
@@ -145,13 +151,36 @@ def test_a_simulation_says_of_which_profile_the_digest_is(rig, commissioned, cap
 
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [({"valid_until": "2020-01-01"}, "expired on 2020-01-01"), ({"backend": "virtual"}, "not on")],
+    [
+        ({"valid_until": "2020-01-01"}, "expired on 2020-01-01"),
+        ({"backend": "virtual"}, "not on"),
+        ({"host": "lab-of-others"}, "with another computer (lab-of-others; this is"),
+    ],
 )
 def test_what_expired_or_was_simulated_holds_back(rig, commissioned, changes, words):
     commissioned(**changes)
     code, folder = rig()
     assert code == 0
     assert words in said(folder)[-1]
+
+
+def test_a_record_that_came_along_with_a_copied_folder_is_begun_anew(rig, commissioned):
+    """Its wake-ups and its wires were another computer's; one of before does not say whose."""
+    commissioned()
+    here = CommissioningFacts("hardware")
+    mine = load_profile(str(rig.configs / "rigs" / "cylinder.yaml"), REGISTRY, SHORT[-1:])
+
+    def steps():
+        return begin(mine, [rig.configs], here, anew=False)["steps"]
+
+    assert steps()
+    commissioned(host=socket.gethostname())
+    assert steps()
+    assert verdict_of(mine, Backend.HARDWARE, [rig.configs]).lack == ""
+    commissioned(host="lab-of-others")
+    assert steps() == {}
+    assert new_record(mine, "hardware", "me", "2099-01-01")["host"] == socket.gethostname()
+    assert "host" not in new_record(mine, "virtual", "me", "2099-01-01")
 
 
 def test_a_step_that_is_missing_is_named(rig, commissioned):
