@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rig.config import Profile
-    from rig.experiment.frozen import NoBound
+    from rig.experiment.frozen import Bound
     from rig.experiment.plan import Plan
-    from rig.hal import Freeze
 
 
 def refusals_of(profile: Profile) -> Iterator[str]:
@@ -36,14 +35,14 @@ def refusals_of(profile: Profile) -> Iterator[str]:
         yield trouble
 
 
-def refusals_of_plan(plan: Plan, bound: Freeze | NoBound) -> Iterator[str]:
+def refusals_of_plan(plan: Plan, bound: Bound) -> Iterator[str]:
     """Yield why hardware would not run an experiment whose profile it takes, each with its mend.
 
     Parameters
     ----------
     plan : Plan
         Checked.
-    bound : Freeze or NoBound
+    bound : Freeze or NoBound or Unfollowed
         For how long its setpoints may stay as they are.
     """
     from rig.assembly import Backend

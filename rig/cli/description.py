@@ -14,9 +14,9 @@ from rig.hal.formats import format_against, format_quantity
 
 if TYPE_CHECKING:
     from rig.config import DeviceEntry, Profile
-    from rig.experiment.frozen import NoBound
+    from rig.experiment.frozen import Bound
     from rig.experiment.plan import Plan
-    from rig.hal import BusLoad, BusSettings, DriverSettings, Freeze
+    from rig.hal import BusLoad, BusSettings, DriverSettings
 
 
 def describe_profile(profile: Profile) -> dict[str, Any]:
@@ -188,24 +188,23 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     }
 
 
-def describe_frozen(plan: Plan, bound: Freeze | NoBound) -> dict[str, Any]:
+def describe_frozen(plan: Plan, bound: Bound) -> dict[str, Any]:
     """Return for how long setpoints may stay as they are, and for how long they would, in SI.
 
     Parameters
     ----------
     plan : Plan
         Checked.
-    bound : Freeze or NoBound
+    bound : Freeze or NoBound or Unfollowed
         What `longest_freeze` has found of it.
     """
-    from rig.experiment.frozen import NoBound
     from rig.experiment.slowest import slowest_device
     from rig.hal import Freeze
 
     slowest = slowest_device(plan.profile)
     return {
-        "unknown": bound.why if isinstance(bound, NoBound) else None,
-        **(dict.fromkeys(Freeze._fields) if isinstance(bound, NoBound) else bound._asdict()),
+        "unknown": None if isinstance(bound, Freeze) else bound.why,
+        **(bound._asdict() if isinstance(bound, Freeze) else dict.fromkeys(Freeze._fields)),
         "device": None if slowest is None else slowest._asdict(),
     }
 

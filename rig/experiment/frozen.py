@@ -17,6 +17,7 @@ from rig.experiment.plan import Plan
 from rig.experiment.slowest import slowest_device
 from rig.hal import DeviceError, Freeze, RestorablePlant
 from rig.hal.hazards import Hazard
+from rig.runtime.cycle import RUN_COLUMNS
 from rig.runtime.loop import Loop
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.states import RigState, StateMachine
@@ -30,6 +31,9 @@ _VENTING = 0.3
 _LOOK_EVERY = 2e-3
 _EVERY = 0.01
 """Instants of the motion have this distance, s; at first every fifth is looked at."""
+_PHASE, _TIME = (
+    [of.name for of in RUN_COLUMNS].index(name) for name in ("phase", "reference.time")
+)
 _PATIENCE = 5.0
 """After so long (s of the computer's) no more instants are looked at."""
 
@@ -47,10 +51,20 @@ class NoBound(NamedTuple):
     why: str
 
 
-def refuse_slow_devices(
-    plan: Plan, say: Callable[[str], None], bound: Freeze | NoBound | None = None
-) -> None:
+class Unfollowed(NamedTuple):
+    """The fault in which a motion ends on the simulated rig, on which nothing breaks."""
+
+    why: str
+
+
+Bound = Freeze | NoBound | Unfollowed
+"""For how long setpoints may stay as they are, or why that is not known."""
+
+
+def refuse_slow_devices(plan: Plan, say: Callable[[str], None], bound: Bound | None = None) -> None:
     """Refuse hardware that the motion would throw out of its limits if the program died.
+
+    A motion that the simulated rig does not follow is refused, too: it was gone through for that.
 
     Parameters
     ----------
@@ -58,17 +72,24 @@ def refuse_slow_devices(
         Checked.
     say : callable
         Is told what is not known.
-    bound : Freeze or NoBound, optional
+    bound : Freeze or NoBound or Unfollowed, optional
         What `longest_freeze` has found of the plan; default: it is looked for.
 
     Raises
     ------
     DeviceError
-        A device acts too late by itself.
+        A device acts too late by itself, or the motion ends in a fault in simulation.
     """
     if not plan.motion.has_torque:
         return
     slowest, bound = slowest_device(plan.profile), bound or longest_freeze(plan, say)
+    if isinstance(bound, Unfollowed):
+        raise DeviceError(
+            plan.profile.name,
+            f"{bound.why}; nothing breaks there, so this rig is asked for more than it can do, or "
+            "its gains do not bear it: make the motion smaller or slower, or mend what the plant "
+            "of the profile says of the rig",
+        )
     if isinstance(bound, NoBound):
         say(f"what frozen setpoints do is not known: {bound.why}")
     elif slowest is None:
@@ -83,8 +104,11 @@ def refuse_slow_devices(
         )
 
 
-def longest_freeze(plan: Plan, say: Callable[[str], None] = lambda _: None) -> Freeze | NoBound:
+def longest_freeze(plan: Plan, say: Callable[[str], None] = lambda _: None) -> Bound:
     """Return for how long the setpoints of a plan may stay frozen.
+
+    Where it takes the plant to find out, the motion itself is gone through: if that ends in a
+    fault, so is said.
 
     Parameters
     ----------
@@ -120,35 +144,36 @@ class _Trial:
     """
 
     def __init__(self, plan: Plan, hazards: Sequence[Hazard]) -> None:
+        is_long = plan.motion.foreseen.duration > WHOLE
+        self._go_through(plan, hazards, in_excerpts=is_long)
+        if is_long and self._fault is not None:  # the way into a stretch may have been too rough
+            self._go_through(plan, hazards, in_excerpts=False)
+
+    def _go_through(self, plan: Plan, hazards: Sequence[Hazard], *, in_excerpts: bool) -> None:
+        """Follow the motion, or its fastest stretches, and keep the plant's instants."""
         from rig.assembly.simulated import build_sim, make_plant
 
         simulation = dataclasses.replace(plan.profile.simulation, faults=())
         profile = dataclasses.replace(plan.profile, simulation=simulation)
-        self._plant = cast("RestorablePlant", make_plant(profile))
-        self._rig = build_sim(profile, self._plant)
-        names = [name for name, _ in self._plant.truth_columns]
+        self._plant = plant = cast("RestorablePlant", make_plant(profile))
+        self._rig = rig = build_sim(profile, plant)
+        names = [name for name, _ in plant.truth_columns]
         self._bounds = [
             (names.index(column), hazard)
             for hazard in hazards
             if not hazard.only_safe and not hazard.is_rate
             for column in hazard.columns
         ]
-        self._instants = self._go_through(plan)
-
-    def _go_through(self, plan: Plan) -> list[_Instant]:
-        """Follow the motion, or its fastest stretches, and keep the plant's instants."""
-        rig, motion = self._rig, plan.motion.foreseen
-        view = type(rig.mechanism)
-        excerpts = None
-        if motion.duration > WHOLE:
-            motion = excerpts = Excerpts(view, motion, fastest(view, motion))
-        instants: list[_Instant] = []
+        motion, view = plan.motion.foreseen, type(rig.mechanism)
+        excerpts = Excerpts(view, motion, fastest(view, motion)) if in_excerpts else None
+        followed = motion if excerpts is None else excerpts
+        self._instants: list[_Instant] = []
         every = max(1, round(_EVERY / plan.profile.loop.period))
 
         def note(cycle: int, row: Sequence[float]) -> None:
-            at = row[1] if excerpts is None else excerpts.original(row[1])
-            if row[0] == Phase.RUN and cycle % every == 0 and at is not None:
-                instants.append(_Instant(at, self._plant.snapshot()))
+            at = row[_TIME] if excerpts is None else excerpts.original(row[_TIME])
+            if row[_PHASE] == Phase.RUN and cycle % every == 0 and at is not None:
+                self._instants.append(_Instant(at, plant.snapshot()))
 
         states = StateMachine()
         states.move(RigState.IDLE)
@@ -162,15 +187,17 @@ class _Trial:
                 devices=tuple(rig.devices.values()), mechanism=rig.mechanism,
                 controller=controller, states=states,
             )  # fmt: skip
-            loop.run(
-                motion, recorder=_Rows(note), events=lambda *_: None, stop=StopRequests(),
-                timings=Timings(energise=0.3, approach=0.7, release=0.0, brake=0.0, settle=0.0),
-            )  # fmt: skip
-        return instants
+            self._fault = loop.run(
+                followed, recorder=_Rows(note), events=lambda *_: None, stop=StopRequests(),
+                timings=Timings(approach=plan.experiment.approach, release=0.0, settle=0.0),
+            ).fault  # fmt: skip
 
-    def longest(self) -> Freeze:
+    def longest(self) -> Freeze | Unfollowed:
         """Look at every fifth instant, then around the worst, then at the others."""
         instants, started = self._instants, perf_counter()
+        if self._fault is not None:
+            at = f"after {instants[-1].t:.2g} s of it" if instants else "before it begins"
+            return Unfollowed(f"on the simulated rig this motion ends {at}: {self._fault}")
         order = list(range(0, len(instants), 5))
         waiting = [k for k in range(len(instants)) if k % 5]
         found = Freeze(HORIZON, 0.0, "")

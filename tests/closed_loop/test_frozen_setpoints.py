@@ -61,6 +61,23 @@ def test_bound_holds_on_the_plant_and_more_does_not():
     assert not every
 
 
+def test_instants_of_a_long_motion_are_told_in_its_own_time():
+    """Only its fastest stretches are gone through, with ways between them that are none of it."""
+    from rig.experiment import frozen
+    from rig.experiment.excerpts import fastest
+
+    plan = plan_of("cylinder-sine")
+    hazards = frozen.REGISTRY.hazards(plan.profile.plant.model)(plan.profile.mechanism_settings)
+    trial, motion = frozen._Trial(plan, hazards), plan.motion
+    near = plan.profile.mechanism_settings.limits.following
+    stretches = fastest(type(trial._rig.mechanism), motion)
+    assert len(trial._instants) > 300
+    for one in trial._instants:
+        assert any(start <= one.t <= end for start, end in stretches)
+        trial._plant.restore(one.plant)
+        assert trial._plant.truth()[0] == pytest.approx(motion.at(one.t).position, abs=near)
+
+
 @pytest.mark.parametrize("experiment", ["cylinder-ideal-sine", "joint-ideal-circle"])
 def test_plant_goes_the_same_way_again_from_a_snapshot(experiment):
     plant = make_plant(plan_of(experiment).profile)
