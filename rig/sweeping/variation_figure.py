@@ -56,8 +56,9 @@ def _draw(axes: "Axes", table: VariationTable, factor: float) -> None:
         values = [factor * row[number].value for row in rows]
         axes.plot(values, places, mark, ms=3.2, color=color, label=law or None, ls="none")
         stopped = places[[bool(row[number].stopped) for row in rows]]
-        axes.plot(np.full(len(stopped), _STOPPED), stopped, "x", ms=3.6, mew=0.9, color=color,
-                  transform=axes.get_yaxis_transform(), clip_on=False)  # fmt: skip
+        if len(stopped):  # a line without points has no place, and no layout can be found for it
+            axes.plot(np.full(len(stopped), _STOPPED), stopped, "x", ms=3.6, mew=0.9, color=color,
+                      transform=axes.get_yaxis_transform(), clip_on=False)  # fmt: skip
     if known and min(known) > 0.0 and max(known) > 5.0 * min(known):
         axes.set_xscale("log")
     if any(cell.stopped for cell in table.worst):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rig.hal import ConfigurationError, DeviceFault, LimitExceeded
+from rig.report.style import paper_style, save
 from rig.sweeping.axis import parse_axis, parse_seeds
 from rig.sweeping.data import SweepData
 from rig.sweeping.design import make_design
@@ -23,7 +24,7 @@ NAMED = {
 LAWS = ("pid", "cascade")
 
 
-def data_of(outcome, seeds="0:3", sense="max"):
+def data_of(outcome, seeds="0:3", sense="max", metrics=("rms",)):
     """Make a sweep; `outcome` gives a value (m) or the reason why there is none."""
     axes = [parse_axis(f"controller={','.join(LAWS)}"), variations_of(NAMED)]
     design = make_design(axes, parse_seeds(seeds))
@@ -31,11 +32,12 @@ def data_of(outcome, seeds="0:3", sense="max"):
     for number in range(design.count):
         texts = design.texts(number)
         found = outcome(*texts)
-        cell = {"name": "rms", "value": found, "unit": "m", "bound": 1.0, "kind": sense}
+        told = {"value": found, "unit": "m", "bound": 1.0, "kind": sense}
+        cells = [{"name": name, **told} for name in metrics]
         stopped = isinstance(found, str)
         finding = {
             "point": f"{number:032x}", "status": "faulted" if stopped else "ok",
-            "reason": found if stopped else "", "metrics": [] if stopped else [cell],
+            "reason": found if stopped else "", "metrics": [] if stopped else cells,
         }  # fmt: skip
         rows.append(TableRow(tuple(map(value_of, texts)), finding))
     return SweepData.of([axis.setting for axis in design.axes], rows)
@@ -142,8 +144,21 @@ def test_every_variation_is_a_row_of_the_figure_and_each_law_a_mark_in_it():
     assert np.allclose(marks["cascade"], [7.0, 14.0, 56.0, 56.0])  # mm
     assert np.allclose(marks["pid"][:2], [3.0, 6.0]) and np.isnan(marks["pid"][2])
     crosses = [line for line in axes.get_lines() if line.get_marker() == "x"]
-    assert [len(line.get_ydata()) for line in crosses] == [2, 0]  # slow, and the worst
+    assert [len(line.get_ydata()) for line in crosses] == [2]  # slow, and the worst
     assert [text.get_text() for text in figure.legends[0].get_texts()] == list(LAWS)
+
+
+def test_the_names_of_rows_are_on_the_figure_where_nothing_was_stopped(tmp_path):
+    def outcome(law, variation, seed):
+        return 1e-3 * (1 + len(variation))
+
+    with paper_style():
+        figure = draw_sweep(data_of(outcome, metrics=("rms", "hold_rms", "wire_rms")))
+        save(figure, tmp_path, "sweep", "an origin")
+    page = figure.bbox
+    for label in figure.axes[0].get_yticklabels():
+        place = label.get_window_extent()
+        assert page.x0 <= place.x0 and place.x1 <= page.x1, label.get_text()
 
 
 @pytest.mark.parametrize(
