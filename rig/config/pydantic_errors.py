@@ -1,12 +1,12 @@
 """Translate errors of pydantic into the words, units and places of the file."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import get_args
 
 from pydantic_core import ErrorDetails
 
+from rig.config.broken_rules import report_rule
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.located import BROKEN, Node
 from rig.config.quantities import usual_units
@@ -55,7 +55,7 @@ def report(
         error = context.get("error")
         told = told_by(error) if isinstance(error, BaseException) else (details["msg"],)
         for message in told:
-            report_rule(place, message, problems)
+            report_rule(settings, place, path, message, problems)
     elif kind == "quantity":
         problems.add(place.mark, f"{name}: {details['msg']}")
     else:
@@ -75,25 +75,6 @@ def _may_map(settings: type, path: tuple[str | int, ...]) -> bool:
     """Return whether settings may stand at a place instead of what else it takes."""
     bare, _ = split_annotated(hint_at(settings, path))
     return is_union(bare) and any(is_dataclass(arm) for arm in get_args(bare))
-
-
-def report_rule(place: Node, message: str, problems: Problems) -> None:
-    """Add a rule that a mapping does not keep, and where the keys stand that it names."""
-    problems.add(place.heading, message, _others(place, message))
-
-
-def _others(place: Node, message: str) -> str | None:
-    """Say where the keys stand that a rule names: a base may have given one of them."""
-    items = place.value if isinstance(place.value, dict) else {}
-    named = {
-        key: node for key, node in items.items() if re.search(rf"\b{re.escape(key)}\b", message)
-    }
-    if len(named) < 2:
-        return None
-    told = ", ".join(f"{key} in {node.heading.told}" for key, node in named.items())
-    lists = any(isinstance(node.value, list) for node in named.values())
-    empty = ", [] where a list must stay one" if lists else ""
-    return f"{told}; null takes back what a base gives{empty}"
 
 
 def _wanted(settings: type, path: tuple[str | int, ...], key: str) -> str | None:

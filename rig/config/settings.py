@@ -37,12 +37,13 @@ from pydantic.config import JsonDict
 from pydantic_core import CoreSchema, PydanticCustomError, SchemaValidator, core_schema
 from typing_extensions import TypedDict
 
+from rig.config.broken_rules import report_rule
 from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
 from rig.config.located import Node
 from rig.config.magnitudes import bounded
 from rig.config.named_files import with_files_beside
-from rig.config.pydantic_errors import report, report_rule
+from rig.config.pydantic_errors import report
 from rig.config.quantities import UnitError, parse_quantity, parse_unit, usual_units
 from rig.config.repair import rules_besides
 from rig.config.type_hints import hints, is_union, members, split_annotated
@@ -92,7 +93,7 @@ def build(
             report(settings, node, details, problems, also)
         if not problems.are_many:
             for path, message in rules_besides(settings, node.plain(), found, validated):
-                report_rule(node.descend(path)[0], message, problems)
+                report_rule(settings, *node.descend(path), message, problems)
         return None
     assert isinstance(instance, settings)
     problems.unitless |= dict.fromkeys(find_unitless(settings, node))

@@ -88,10 +88,8 @@ def test_a_list_is_taken_back_by_an_empty_one_as_the_hint_says(tmp_path, monkeyp
     experiment = lab_with("arm-path", tmp_path, monkeypatch)
     experiment.write_text("extends: arm-path\nreference: {file: tables/mine.csv}\n")
     assert invoke(["check", str(experiment)]) == 2
-    assert (
-        "null takes back what a base gives, [] where a list must stay one"
-        in capsys.readouterr().err
-    )
+    told = f"to take back what the base gives, add `points: []` beside file in {experiment}:2:13"
+    assert told in capsys.readouterr().err
 
 
 def test_a_run_keeps_the_file_and_runs_again_from_its_folder_alone(tmp_path, monkeypatch, capsys):

@@ -31,7 +31,7 @@ CASES = {
     "wire": ("devices:\n  regulators:\n    channels:\n      agonist:\n        monitor:\n"
              "          current: [4 mA, 20 mA]\n",
              ["voltage in \\S+cylinder.yaml:", "current in {}:7:11",
-              "null takes back what a base gives"]),
+              "to take back what the base gives, add `voltage: null` beside current in {}:7:11"]),
 }  # fmt: skip
 
 
@@ -41,6 +41,22 @@ def test_both_ends_are_named(case, tmp_path, capsys):
     path, err = said_of(tmp_path, f"extends: cylinder\n{more}", capsys)
     for pattern in expected:
         assert re.search(pattern.replace("{}", re.escape(str(path))), err), err
+
+
+def test_a_rule_between_keys_that_must_have_a_value_offers_no_null(tmp_path, capsys):
+    _, err = said_of(tmp_path, "extends: cylinder\ncylinder:\n  rod: 40 mm\n", capsys)
+    assert "null" not in err and "take back" not in err
+
+
+def test_an_option_is_told_the_option_that_takes_the_file_back(tmp_path, capsys):
+    path = tmp_path / "mine.yaml"
+    path.write_text("extends: cylinder\n")
+    line = "devices.regulators.channels.agonist.monitor"
+    words = ["check", str(path), "--set", f"{line}.current=[4 mA, 20 mA]"]
+    assert invoke(words) == 2
+    assert f"to take back what the file gives, add --set {line}.voltage=null\n" in (
+        capsys.readouterr().err
+    )
 
 
 def test_null_takes_back_what_a_base_gives(tmp_path):

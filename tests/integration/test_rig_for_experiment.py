@@ -86,6 +86,33 @@ def test_counts_of_another_signal_are_refused_with_both_places(tmp_path, capsys,
     assert raw or (f"{LINE}.raw: " in err and "cylinder.yaml:27:" in err)
 
 
+CURRENT = (
+    "devices:\n  regulators:\n    channels:\n      agonist:\n"
+    "        setpoint: {voltage: null, current: [4 mA, 20 mA]"
+)
+COUNTS = "devices: {regulators: {channels: {agonist: {setpoint: {raw: [6554, 32767]}}}}}\n"
+
+
+def test_counts_alone_may_be_others_of_a_signal_that_stays(tmp_path, capsys):
+    (tmp_path / "ours.yaml").write_text(f"extends: cylinder\n{CURRENT}, raw: [0, 32767]}}\n")
+    option = ["--set", f"{LINE}.raw=[6554,32767]"]
+    assert invoke(["check", "ours.yaml", *option]) == 0
+    (tmp_path / "child.yaml").write_text(f"extends: ours.yaml\n{COUNTS}")
+    assert invoke(["check", "child.yaml"]) == 0
+    signal = ["--set", f"{LINE}.voltage=null", "--set", f"{LINE}.current=[4 mA, 20 mA]"]
+    assert invoke(["check", "cylinder", *signal, *option]) == 0
+    capsys.readouterr()
+    assert invoke(["check", "cylinder", *signal]) == 2
+    assert f"{LINE}.raw was said of another signal" in capsys.readouterr().err
+
+
+def test_counts_below_the_file_that_changes_the_signal_are_refused(tmp_path, capsys):
+    (tmp_path / "counts.yaml").write_text(f"extends: cylinder\n{COUNTS}")
+    (tmp_path / "ours.yaml").write_text(f"extends: counts.yaml\n{CURRENT}}}\n")
+    assert invoke(["check", "ours.yaml"]) == 2
+    assert f"{LINE}.raw: counts.yaml:2:" in capsys.readouterr().err
+
+
 def test_a_fault_is_told_with_both_clocks_and_its_stretch(tmp_path, capsys):
     words = [
         "run", "cylinder-ideal-step", "--on", "sim", "--no-report", "--out", "runs",
