@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rig.cli.inherited_limits import SIZES, limits_that_rest_on
 from rig.cli.names import TUNED_LAW
 
 if TYPE_CHECKING:
@@ -39,7 +40,25 @@ def inherited_sentences(profile: Profile, search: Sequence[Path]) -> list[str]:
         ]
         if others and (keys or laws):
             sentences.append(_sentence(profile, base, list(others.values()), keys, laws))
+        sentences.extend(_of_limits(profile, base, search))
     return sentences
+
+
+def _of_limits(profile: Profile, base: Path, search: Sequence[Path]) -> Iterator[str]:
+    """Yield that limits are those of other cylinders, and what they come to here."""
+    known = [size for size in SIZES if hasattr(profile.mechanism_settings, size)]
+    others = dict(_other_dimensions(profile, base, search, known))
+    meant = {
+        key: told
+        for key, told in limits_that_rest_on(profile.mechanism_settings, set(others))
+        if _stands_in(f"{profile.mechanism}.{key}", base, profile)
+    }
+    if meant:
+        yield (
+            f"{', '.join(meant)}: from {base}, where {', '.join(others.values())}: "
+            f"{'; '.join(meant.values())}. No calibration finds that: "
+            f"say in {profile.files[0]} what is meant"
+        )
 
 
 def _sentence(

@@ -41,7 +41,8 @@ def plant_remarks(profile: Profile) -> Iterator[str]:
         (
             f"{name}.moving_mass",
             number_at(profile.mechanism_settings, "moving_mass"),
-            "plant.carriage.mass and twice plant.cylinder.mass together",
+            f"plant.carriage.mass{_shown(carriage)} and twice plant.cylinder.mass{_shown(piston)} "
+            "together",
             None if carriage is None or piston is None else carriage + 2.0 * piston,
             "kg",
             "gains that are tuned on it fit another rig",
@@ -54,3 +55,10 @@ def plant_remarks(profile: Profile) -> Iterator[str]:
             f"{ours} is {format_quantity(believed, unit)}, and {theirs} is "
             f"{format_quantity(true, unit)}: {so}; say both alike"
         )
+
+
+def _shown(mass: float | None) -> str:
+    """Return a mass in brackets, behind the key that says it."""
+    from rig.hal.formats import format_quantity
+
+    return "" if mass is None else f" ({format_quantity(mass, 'kg')})"

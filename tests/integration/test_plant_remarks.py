@@ -26,7 +26,12 @@ def test_no_shipped_rig_has_another_plant(rig):
     ("rig", "option", "told"),
     [
         ("cylinder", "cylinder.moving_mass=0.5 kg", "cylinder.moving_mass is 0.5 kg, and"),
-        ("cylinder", "plant.carriage.mass=0.3 kg", "together is 0.39 kg"),
+        (
+            "cylinder",
+            "plant.carriage.mass=0.3 kg",
+            "plant.cylinder.mass (0.045 kg) together is 0.39 kg",
+        ),
+        ("cylinder", "plant.carriage.mass=0.3 kg", "plant.carriage.mass (0.3 kg) and twice"),
         ("cylinder", "plant.regulator.full_scale=900 kPa", "full_scale is 900 kPa"),
         ("joint", "plant.regulator.full_scale=900 kPa", "regulators is 500 kPa"),
     ],
