@@ -215,14 +215,18 @@ def _differences(expected: Address | None, found: Found | None) -> tuple[str, ..
         differences.append(f"{max(found.answers, len(found.serials))} devices have this number")
     if found.answers == 0:
         differences.append("sends, but answers no question")
-    if expected is None:
-        return tuple(differences)
-    for what, wanted, seen in (
-        ("device profile CiA", expected.profile, found.profile),
-        ("vendor", expected.vendor, found.vendor),
-        ("product", expected.product, found.product),
-        ("serial", expected.serial, found.serials[0] if found.serials else None),
-    ):
-        if wanted is not None and found.answers and seen != wanted:
-            differences.append(f"{what} {wanted} expected")
-    return tuple(differences)
+    return (*differences, *([] if expected is None else contradictions(expected, found)))
+
+
+def contradictions(expected: Address, found: Found) -> list[str]:
+    """Return in words what a node says of itself that a profile says otherwise."""
+    return [
+        f"{what} {wanted} expected"
+        for what, wanted, seen in (
+            ("device profile CiA", expected.profile, found.profile),
+            ("vendor", expected.vendor, found.vendor),
+            ("product", expected.product, found.product),
+            ("serial", expected.serial, found.serials[0] if found.serials else None),
+        )
+        if wanted is not None and found.answers and seen != wanted
+    ]

@@ -21,6 +21,7 @@ def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
     """Show who answers on the CAN buses of a profile; return the exit code."""
     from rig.assembly import Backend, backend_of, parse_interfaces
     from rig.assembly.survey import survey_buses
+    from rig.assembly.survey_words import differences_in_words
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
     # A CAN interface takes the place of CAN buses alone; on hardware, serial lines are asked, too.
@@ -31,10 +32,8 @@ def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
         title = f"{profile.name} on {on}"
         print_tables([Table(title, _HEADER, [_row(answer) for answer in answers])])
     different = [answer for answer in answers if answer.differences]
-    for answer in different:
-        who = answer.name or "an unknown device"
-        what = ", ".join(answer.differences)
-        click.echo(f"{who} (bus {answer.bus}, node 0x{answer.node:02X}): {what}", err=True)
+    for clause in differences_in_words(answers):
+        click.echo(clause, err=True)
     refused = _refused_calibrations(profile) if backend_of(on) is Backend.HARDWARE else []
     for sentence in refused:
         click.echo(sentence, err=True)
@@ -55,6 +54,8 @@ def _refused_calibrations(profile: Profile) -> list[str]:
 
 def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
     """Say what to do next."""
+    from rig.assembly.survey_words import say_renumbered
+
     if all(answer.found is None for answer in answers):
         return (
             "nobody answers: look at power, cable, termination and bit rate (ip -details link "
@@ -62,7 +63,8 @@ def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
         )
     if any(answer.found is not None and answer.found.answers > 1 for answer in answers):
         return "take one of the devices that share a number off the bus, and give it another"
-    return "look at node numbers and power, or correct the profile"
+    renumbered = say_renumbered(profile, answers)
+    return renumbered or "look at node numbers and power, or correct the profile"
 
 
 def _as_data(answer: Answer) -> dict[str, object]:

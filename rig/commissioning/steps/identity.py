@@ -1,6 +1,7 @@
 """Who is on the buses and who should not be, and what of their settings was read back."""
 
 from rig.assembly.survey import survey_rig
+from rig.assembly.survey_words import differences_in_words, say_renumbered
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult
 
@@ -15,11 +16,12 @@ class OnTheBus(AcceptanceStep):
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
         answers = survey_rig(site.make_rig(site.profile))
-        for answer in answers:
-            if answer.differences:
-                who = answer.name or "foreign node"
-                where = f"bus {answer.bus}, node 0x{answer.node:02X}"
-                raise Defect(who, f"{', '.join(answer.differences)} ({where})")
+        different = differences_in_words(answers)
+        if different:
+            # The first clause names its device as every defect does: "NAME (PLACE): WHAT".
+            who, _, what = "; ".join(different).partition(": ")
+            renumbered = say_renumbered(site.profile, answers)
+            raise Defect(who, what if renumbered is None else f"{what}; {renumbered}")
         count = MeasuredValue("devices that answer", float(len(answers)), "1")
         return StepResult((count,), said="" if answers else "no bus of this rig can be asked")
 
