@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
+from rig.cli.number_option import NumberWithin
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -21,11 +22,11 @@ EXIT_UNFIT = 3
 @click.command()
 @click.argument("rig", required=False, shell_complete=complete_rig)
 @click.option(
-    "--abuse", "seconds", type=click.FloatRange(min=1.0), metavar="SECONDS",
+    "--abuse", "seconds", type=NumberWithin(min=1.0), metavar="SECONDS",
     help="Load processors, disk and memory for so long, and measure wake-ups meanwhile.",
 )  # fmt: skip
 @click.option(
-    "--rate", type=click.FloatRange(min=1.0, max=5000.0), help="Of the loop, Hz; default: RIG's."
+    "--rate", type=NumberWithin(min=1.0, max=5000.0), help="Of the loop, Hz; default: RIG's."
 )
 @out_option
 @json_option

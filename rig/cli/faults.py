@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import OneOf, complete_rig, configs_option, json_option, workers_option
+from rig.cli.number_option import NumberWithin
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def _as_setting(kind: FaultKind, places: Sequence[Place]) -> str:
 @click.option(
     "--quiet",
     "hours",
-    type=click.FloatRange(0.0, 1e5, min_open=True),
+    type=NumberWithin(0.0, 1e5, min_open=True),
     metavar="HOURS",
     help="Break nothing for so many simulated hours: whatever stops a rig then is a false trip.",
 )

@@ -20,6 +20,7 @@ from rig.cli.names import (
     runs_option,
     set_option,
 )
+from rig.cli.number_option import NumberWithin
 from rig.cli.tables import abandon_stdout
 from rig.run_names import find_run
 
@@ -49,7 +50,7 @@ _LIVE = ""  # what `--frames` without a source means
     help="Only frames of this device; may be given again.",
 )  # fmt: skip
 @click.option(
-    "--for", "duration", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    "--for", "duration", type=NumberWithin(min=0.0, min_open=True), metavar="SECONDS",
     help="End after this time, of the frames.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object per line.")

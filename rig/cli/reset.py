@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import complete_rig, configs_option, json_option, set_option, yes_option
+from rig.cli.number_option import NumberWithin
 from rig.cli.on_option import OnBackend
 from rig.cli.tables import print_json
 
@@ -27,7 +28,7 @@ _LOOK_EVERY = 0.02
     "rehearsal.",
 )  # fmt: skip
 @click.option(
-    "--wait", type=click.FloatRange(min=0), default=60.0, show_default=True, metavar="SECONDS",
+    "--wait", type=NumberWithin(min=0), default=60.0, show_default=True, metavar="SECONDS",
     help="For how long at most the emergency stop is waited for.",
 )  # fmt: skip
 @yes_option

@@ -22,6 +22,7 @@ from rig.cli.names import (
     with_seed,
     yes_option,
 )  # fmt: skip
+from rig.cli.number_option import NumberWithin
 from rig.cli.on_option import FrameFormat, OnBackend
 from rig.cli.patience import told_if_long
 from rig.cli.tables import print_data, print_json
@@ -71,7 +72,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 )  # fmt: skip
 @click.option("--steer", is_flag=True, help="With --watch: gains may be changed on that page.")
 @click.option(
-    "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
+    "--pace", type=NumberWithin(min=0.01), metavar="FACTOR",
     help="Times real time that a simulation runs at most; 1 with --watch or a gamepad.",
 )  # fmt: skip
 @uncommissioned_option

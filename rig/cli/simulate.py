@@ -18,6 +18,7 @@ from rig.cli.names import (
     set_option,
     with_seed,
 )
+from rig.cli.number_option import NumberWithin
 from rig.cli.tables import print_json
 from rig.cli.terminal_line import TerminalLine
 
@@ -42,7 +43,7 @@ _REDRAW = 0.5  # of the status line, s
     "UDP port is 43113 and the number at the group's end, 43115 for 239.74.163.2.",
 )
 @click.option(
-    "--for", "duration", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    "--for", "duration", type=NumberWithin(min=0.0, min_open=True), metavar="SECONDS",
     help="End by itself.",
 )  # fmt: skip
 @set_option

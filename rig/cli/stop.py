@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.number_option import NumberWithin
 from rig.cli.tables import print_json
 from rig.run_names import find_run, list_runs
 
@@ -16,7 +17,7 @@ from rig.run_names import find_run, list_runs
 @click.option("--all", "every", is_flag=True, help="Every run that goes on in RUNS.")
 @click.option("--at-once", is_flag=True, help="As Ctrl-C twice: without braking under control.")
 @click.option(
-    "--wait", type=click.FloatRange(min=0), default=30.0, show_default=True, metavar="SECONDS",
+    "--wait", type=NumberWithin(min=0), default=30.0, show_default=True, metavar="SECONDS",
     help="For how long at most the end is waited for.",
 )  # fmt: skip
 @runs_option
