@@ -53,7 +53,10 @@ class AnalogueSignal:
     def __post_init__(self) -> None:
         with Rules() as rule:
             if (self.voltage is None) == (self.current is None):
-                rule.broken("give either voltage or current, the signal on the wire.")
+                rule.broken(
+                    "give either voltage or current, the signal on the wire, and raw, its counts "
+                    "at both ends."
+                )
             lines = {
                 "raw": self.raw,
                 "voltage": self.voltage,

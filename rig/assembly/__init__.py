@@ -1,6 +1,6 @@
 """From a profile to a rig: the only package that knows concrete drivers and controllers."""
 
-from rig.assembly.build import build_rig, check_fitness, check_profile
+from rig.assembly.build import build_rig, check_fitness, check_profile, with_what_else
 from rig.assembly.buses import bus_loads
 from rig.assembly.channels import check_channels
 from rig.assembly.on_interfaces import backend_of, parse_interfaces
@@ -24,4 +24,5 @@ __all__ = [
     "make_law",
     "parse_interfaces",
     "plan_motion",
+    "with_what_else",
 ]

@@ -1,7 +1,7 @@
 """From a profile to a rig, checked before anything is opened."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,8 +16,9 @@ from rig.assembly.rig import Backend, Rig
 from rig.assembly.same_geometry import check_same_geometry
 from rig.assembly.signal_places import check_signal_places
 from rig.assembly.watchful_clock import WatchfulClock
-from rig.config import Profile
+from rig.config import Profile, ProfileError
 from rig.config.located import places_named
+from rig.config.read_part import PartlyRead
 from rig.hal import (
     Column,
     ConfigurationError,
@@ -73,6 +74,35 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
         raise _as_one(found, profile)
     measured = [column for device in devices.values() for column in device.log_columns]
     return (*mechanism.columns, *measured)
+
+
+def with_what_else(error: ProfileError) -> ProfileError:
+    """Return the errors of a profile with those that can be seen in what of it could be read.
+
+    Parameters
+    ----------
+    error : ProfileError
+        Of a profile.
+    """
+    if not isinstance(error, PartlyRead):
+        return error
+    part = error.part
+    found: list[ConfigurationError] = []
+    checks: list[Callable[[Profile], object]] = [
+        _check_plant, check_same_geometry, check_signal_places, _check_nodes,
+    ]  # fmt: skip
+    if part.is_made:
+        checks.append(partial(_make_apart, lacking=part.lacking))
+    for check in checks:
+        try:
+            check(part.profile)
+        except ConfigurationError as other:
+            if not _is_of_a_package(other):
+                found.append(other)
+    if not found:
+        return error
+    texts = SeveralErrors.told_by(_as_one(found, part.profile))
+    return ProfileError(error.diagnostics, texts)
 
 
 def _as_one(found: Sequence[ConfigurationError], profile: Profile) -> ConfigurationError:
@@ -135,10 +165,11 @@ def make_unconnected(
         raise ConfigurationError(str(error)) from error
 
 
-def _make_apart(profile: Profile) -> None:
+def _make_apart(profile: Profile, lacking: Sequence[str] = ()) -> None:
     """Make each device on buses of its own, and the loop's view of them.
 
-    What is wrong with a bus keeps nobody from being told what else is wrong.
+    What is wrong with a bus keeps nobody from being told what else is wrong. Of devices that are
+    `lacking` already nothing is said.
     """
     clock, period = MonotonicClock(), profile.loop.period
     devices: dict[str, Device] = {}
@@ -152,12 +183,12 @@ def _make_apart(profile: Profile) -> None:
             found.extend(SeveralErrors.told_by(error))
         except ValueError as error:  # what a driver refuses
             found.append(str(error))
-    lacking = [repr(name) for name in profile.devices if name not in devices]
+    unmade = [repr(n) for n in (*lacking, *profile.devices) if n not in devices]
     try:
         make_mechanism(profile, devices)
     except ConfigurationError as error:
         told = SeveralErrors.told_by(error)
-        found += [text for text in told if not any(name in text for name in lacking)]
+        found += [text for text in told if not any(name in text for name in unmade)]
     except ValueError as error:
         found.append(str(error))
     SeveralErrors.raise_if_any(found)

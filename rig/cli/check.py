@@ -158,9 +158,12 @@ def load(
         raise click.UsageError(f"{source} is a rig; --rig goes with an experiment")
     if other is not None:
         click.echo(f"{source} is a rig; an experiment of that name is {other}", err=True)
-    from rig.assembly import REGISTRY, check_profile
-    from rig.config import load_profile
+    from rig.assembly import REGISTRY, check_profile, with_what_else
+    from rig.config import ProfileError, load_profile
 
-    profile = load_profile(source, REGISTRY, overrides, search)
+    try:
+        profile = load_profile(source, REGISTRY, overrides, search)
+    except ProfileError as error:
+        raise with_what_else(error) from error
     check_profile(profile)
     return profile, None

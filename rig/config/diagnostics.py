@@ -41,12 +41,20 @@ class Diagnostic:
 
 
 class ProfileError(ConfigurationError):
-    """A profile, experiment or calibration is not valid; all of its errors at once."""
+    """A profile, experiment or calibration is not valid; all of its errors at once.
 
-    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
+    Parameters
+    ----------
+    diagnostics : sequence of Diagnostic
+        Those with a place of their own.
+    besides : sequence of str
+        What is wrong with one part of the file beside another, after all of those.
+    """
+
+    def __init__(self, diagnostics: Sequence[Diagnostic], besides: Sequence[str] = ()) -> None:
         self.diagnostics = tuple(diagnostics)
-        count = len(self.diagnostics)
-        parts = [str(diagnostic) for diagnostic in self.diagnostics[:_SHOWN]]
+        told = [*map(str, self.diagnostics), *besides]
+        count, parts = len(told), told[:_SHOWN]
         if count > _SHOWN:
             parts.append(f"… and {count - _SHOWN} more")
         if count > 1:

@@ -1,11 +1,9 @@
 """Load a profile, its calibrations and the options over it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Final
-
-from annotated_types import Ge
+from typing import Final
 
 from rig.config.calibration import (
     COMMON_KEYS,
@@ -19,6 +17,7 @@ from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import apply_overrides, load_document, parse_overrides
 from rig.config.dump import as_plain
+from rig.config.heads import DeviceHead, ProfileHead
 from rig.config.laid_over import TUNED, lay_calibrations
 from rig.config.law_hint import hint_of_additions
 from rig.config.located import BROKEN, Node, places_of
@@ -32,6 +31,7 @@ from rig.config.models import (
 )
 from rig.config.named_settings import Registry, controller_key, controller_names
 from rig.config.names import find_file, is_name, is_path, list_files
+from rig.config.read_part import PartlyRead, ReadPart
 from rig.config.records import record_folders
 from rig.config.settings import build
 from rig.config.simulation_models import SimulationSettings
@@ -46,51 +46,6 @@ PROFILE_KEYS: Final = (
 
 DEFAULT_PROTOCOL: Final = "canopen"
 """What is spoken on a bus whose entry does not say."""
-
-
-@dataclass(frozen=True, slots=True)
-class ProfileHead:
-    """The part of a profile that is the same for every rig.
-
-    Parameters
-    ----------
-    mechanism : str
-        The mechanism's name; its settings stand under the key of that name.
-    loop : LoopSettings
-        The cycle.
-    name : str
-        Default: the name of the file.
-    description : str
-        One sentence for people.
-    additions : tuple of str
-        What packages of others add to the mechanism, by the names of their entry points; code of
-        theirs runs for no profile that does not name it.
-    simulation : SimulationSettings
-        The simulated world around the plant.
-    """
-
-    mechanism: str
-    loop: LoopSettings
-    name: str = ""
-    description: str = ""
-    additions: tuple[str, ...] = ()
-    simulation: SimulationSettings = field(default_factory=SimulationSettings)
-
-
-@dataclass(frozen=True, slots=True)
-class DeviceHead:
-    """The part of a device's entry that is the same for every driver.
-
-    Parameters
-    ----------
-    bus : str, optional
-        The bus that it hangs on.
-    serial : int, optional
-        The serial number that it must report.
-    """
-
-    bus: str | None = None
-    serial: Annotated[int, Ge(0)] | None = None
 
 
 def load_profile(
@@ -138,11 +93,13 @@ def load_profile(
     bare = root
     root = apply_overrides(calibrated, options, problems)
     reader = _Reader(root, registry, problems, calibrations, foreign, bare)
-    profile = reader.read(rig, (*document.files, *files))
+    part = reader.read(rig, (*document.files, *files))
+    if problems and part is not None:
+        raise PartlyRead(problems.error().diagnostics, part)
     problems.raise_if_any()
-    assert profile is not None
+    assert part is not None
     measured = _calibrated_bases(rig, document.files[:0:-1], without, folders)
-    return replace(profile, calibrated_bases=measured)
+    return replace(part.profile, calibrated_bases=measured)
 
 
 def rig_name(source: str, search: Sequence[Path]) -> str:
@@ -213,8 +170,8 @@ class _Reader(Sections):
         self._foreign = foreign
         self._bare = bare
 
-    def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
-        """Read every section, so that every error is found; None if there is one."""
+    def read(self, name: str, files: tuple[Path, ...]) -> ReadPart | None:
+        """Read every section, so that every error is found; None if there is no mechanism."""
         self.admit_additions()
         mechanism_settings, calibration, uncalibrated = self._mechanism()
         bus_nodes, device_nodes = self.named("buses"), self.named("devices")
@@ -230,10 +187,11 @@ class _Reader(Sections):
         plant_node = self.take("plant")
         plant = None if plant_node is None else self.chosen("plant", plant_node, "model")
         simulation = self._simulation((*device_nodes, *bus_nodes, "plant"))
-        head = self.rest(ProfileHead)
-        if self.problems or head is None or simulation is None:
+        read = self.rest(ProfileHead)
+        head = self._unread_head() if read is None else read
+        if head is None:
             return None
-        return Profile(
+        profile = Profile(
             name=name,
             description=head.description,
             mechanism=head.mechanism,
@@ -243,7 +201,7 @@ class _Reader(Sections):
             devices={name: entry for name, entry in devices.items() if entry is not None},
             controllers=controllers,
             plant=None if plant is None else PlantEntry(*plant),
-            simulation=simulation,
+            simulation=SimulationSettings() if simulation is None else simulation,
             files=files,
             calibration=calibration,
             uncalibrated=uncalibrated,
@@ -257,6 +215,16 @@ class _Reader(Sections):
                 if name.startswith(TUNED)
             },
         )
+        lacking = tuple(device for device, entry in devices.items() if entry is None)
+        is_made = None not in (read, mechanism_settings, *buses.values())
+        return ReadPart(profile, lacking, is_made)
+
+    def _unread_head(self) -> ProfileHead | None:
+        """Return what stands for a head with an error; None: not even the mechanism is said."""
+        node = self.root.get("mechanism")
+        if node is None or node.value not in self.registry.names("mechanism"):
+            return None
+        return ProfileHead(str(node.value), LoopSettings(rate=1.0))
 
     def _mechanism(self) -> tuple[object, Calibration | None, object]:
         """Return its settings, what was laid over them, and the settings without it."""

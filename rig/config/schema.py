@@ -8,9 +8,10 @@ from typing import Annotated, Final, Literal, NotRequired, Required, TypeAlias
 from pydantic import Field, TypeAdapter
 
 from rig.config.experiment import ExperimentHead
+from rig.config.heads import DeviceHead, ProfileHead
 from rig.config.models import MetricSpec
 from rig.config.named_settings import Kind, Registry, controller_names
-from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead, ProfileHead
+from rig.config.profile import DEFAULT_PROTOCOL
 from rig.config.settings import NUMBER_AND_UNIT, Entries, annotation, closed_mapping, entries_of
 
 DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"

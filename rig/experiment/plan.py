@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from rig.assembly import REGISTRY, check_profile, make_controller, plan_motion
+from rig.assembly import REGISTRY, check_profile, make_controller, plan_motion, with_what_else
 from rig.config import (
     EXPERIMENT_KEYS,
     PROFILE_KEYS,
@@ -97,7 +97,10 @@ def load_plan(
     except ProfileError as error:
         errors = _errors_beside(experiment, for_experiment, named, for_profile, search)
         raise ProfileError([*error.diagnostics, *errors]) from error
-    profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
+    try:
+        profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
+    except ProfileError as error:
+        raise with_what_else(error) from error
     return make_plan(loaded, profile)
 
 

@@ -6,9 +6,9 @@ from typing import NamedTuple, cast
 
 from rig.assembly import REGISTRY
 from rig.config.experiment import ExperimentHead
+from rig.config.heads import DeviceHead, ProfileHead
 from rig.config.models import MetricSpec
 from rig.config.named_settings import Kind
-from rig.config.profile import DeviceHead, ProfileHead
 from rig.config.settings import adapter
 from rig.experiment.measure import Measure
 from rig.explaining.exit_codes import EXIT_CODES

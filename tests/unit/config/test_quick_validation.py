@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from rig.assembly import REGISTRY
 from rig.config.experiment import ExperimentHead
-from rig.config.profile import ProfileHead
+from rig.config.heads import ProfileHead
 from rig.config.settings import adapter, validated
 from rig.config.type_hints import hints, is_union, split_annotated
 
