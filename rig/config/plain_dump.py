@@ -35,3 +35,20 @@ def dump_plain(content: Mapping[str, object]) -> str:
     str
     """
     return yaml.dump(dict(content), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+
+
+def plain_text(text: str) -> str:
+    """Return a text as a value in YAML: quoted where it would be read as something else.
+
+    Parameters
+    ----------
+    text : str
+        Of one line: a name or a path.
+
+    Returns
+    -------
+    str
+        ``crank``, but ``'null'``.
+    """
+    line = yaml.dump(text, Dumper=_Dumper, allow_unicode=True, width=float("inf"))
+    return line.removesuffix("...\n").removesuffix("\n")

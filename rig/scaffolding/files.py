@@ -8,8 +8,12 @@ from typing import Final
 from rig.assembly import REGISTRY
 from rig.assembly.same_geometry import shared_lengths
 from rig.config import Profile, load_profile
+from rig.config.diagnostics import Problems
+from rig.config.document import load_document
+from rig.config.experiment import rig_of
 from rig.config.names import find_file, list_files
-from rig.config.yaml_loader import read_plain, read_source
+from rig.config.plain_dump import plain_text
+from rig.config.yaml_loader import read_source
 from rig.hal import ConfigurationError
 
 _RIG: Final = re.compile(r"^rig:[ ]*[^ \n]+(.*)$", re.MULTILINE)
@@ -40,27 +44,46 @@ def experiment_text(
     """
     if like is None:
         rig = rig or "cylinder"
-        own = [e for e, path in list_files("experiments", search).items() if _rig_of(path) == rig]
-        if not own:
-            raise ConfigurationError(f"no experiment is of the rig {rig!r}; name one with --like")
-        like = own[0]
+        like = _first_of(rig, search)
+    elif rig is not None:
+        find_file(rig, "rigs", search)  # a name that there is not has a nearest one
     text = read_source(find_file(like, "experiments", search)).text
     if rig is not None:
-        text = _RIG.sub(lambda line: f"rig: {rig}{line[1]}", text)
+        of = f"rig: {plain_text(rig)}"
+        text, count = _RIG.subn(lambda line: f"{of}{line[1]}", text)
+        text = text if count else f"{of}\n{text}"  # whoever extends another need not say it
     return (
         f"# Begun as {like}. What a word means, `rig explain WORD` says; what is wrong, all at\n"
         f"# once, `rig check {name}.yaml`.\n"
-        f"name: {name}\n"
+        f"name: {plain_text(name)}\n"
         f"description: What it is for, in one sentence\n{_OWN.sub('', text)}"
     )
 
 
-def _rig_of(path: Path) -> object:
+def _first_of(rig: str, search: Sequence[Path]) -> str:
+    """Return the first experiment of a rig, or else of the nearest one that it extends.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none, or no such rig.
+    """
+    files = load_document(find_file(rig, "rigs", search), "rigs", search, Problems()).files
+    named = {name: rig_of(name, search) for name in list_files("experiments", search)}
+    found = {name: _file_of(own, search) for name, own in named.items() if own is not None}
+    for file in files:
+        for name, its in found.items():
+            if its == file.resolve():
+                return name
+    base = ", nor of what it extends" if len(files) > 1 else ""
+    raise ConfigurationError(f"no experiment is of the rig {rig!r}{base}; name one with --like")
+
+
+def _file_of(rig: str, search: Sequence[Path]) -> Path | None:
     try:
-        content = read_plain(path)
+        return find_file(rig, "rigs", search).resolve()
     except ConfigurationError:
         return None
-    return content.get("rig") if isinstance(content, dict) else None
 
 
 def profile_text(name: str, like: str, search: Sequence[Path]) -> str:
@@ -72,8 +95,8 @@ def profile_text(name: str, like: str, search: Sequence[Path]) -> str:
         There is no such profile.
     """
     return (
-        f"extends: {like}\n"
-        f"name: {name}\n"
+        f"extends: {plain_text(like)}\n"
+        f"name: {plain_text(name)}\n"
         "description: What it is, in one sentence\n\n" + commented_lines(name, like, search)
     )
 

@@ -1,10 +1,12 @@
 """A package to begin with: a law, a driver or a mechanism, with its test and an experiment."""
 
+import keyword
 import re
 from importlib.resources import files
 from pathlib import Path
 from typing import Final, Literal
 
+from rig.config.plain_dump import plain_text
 from rig.hal import ConfigurationError
 from rig.hal.files import reason_unwritten
 from rig.scaffolding.names import Spelling, spell
@@ -38,7 +40,7 @@ extends: cylinder
 description: The pair of cylinders, with a law of our own beside the others
 additions: [{0}-for-cylinder]   # without it no code of your package runs
 controllers:
-  {0}:                      # the settings of your law
+  {1}:                      # the settings of your law
     proportional: 5e7 Pa/m
     integral: 2e8 Pa/(m s)
     derivative: 2.5e6 Pa s/m
@@ -49,8 +51,8 @@ description: The pair of cylinders, with a sensor of our own that is logged
 loop:
   rate: 500 Hz              # at 1 kHz one more node is too much for the bus
 devices:
-  {0}:
-    driver: {0}
+  {1}:
+    driver: {1}
     bus: can0
     node: 0x30
     full_scale: 100         # what 32767 counts are, in ...
@@ -60,7 +62,7 @@ devices:
 """,
     "mechanism": """\
 description: A mechanism of our own, on a CiA 402 drive
-mechanism: {0}
+mechanism: {1}
 loop:
   rate: 250 Hz
 buses:
@@ -76,13 +78,13 @@ devices:
         gear: 20
         limits: [-3.2 rad, 3.2 rad]
         max_speed: 6 rad/s
-{0}:
+{1}:
   servos: [drives]
   limits: {{following: 0.1 rad, reading_age: 30 ms, acceleration: 40 rad/s^2}}
 controllers:
   trimmed: {{}}
 plant:
-  model: {0}
+  model: {1}
 """,
 }
 _SINE: Final = """\
@@ -152,10 +154,13 @@ def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
             made[Path("tests", f"test_{spelling.module}.py")] = text
         else:
             made[source / file] = text
-    made[Path("configs", "rigs", f"{profile_of(name)}.yaml")] = _PROFILE[kind].format(name)
+    made[Path("configs", "rigs", f"{profile_of(name)}.yaml")] = _PROFILE[kind].format(
+        name, plain_text(name)
+    )
     _, law, text = _FIRST[kind]
+    column = f", device.{spelling.module}_value" if kind == "driver" else ""
     made[Path("configs", "experiments", f"{first_experiment(kind, name)}.yaml")] = text.format(
-        name, law.format(name), f", device.{spelling.module}_value" if kind == "driver" else ""
+        name, plain_text(law.format(name)), column
     )
     if kind != "driver":
         made[Path("tests", "conftest.py")] = (
@@ -177,6 +182,8 @@ def _templates(kind: PackageKind) -> dict[str, str]:
 def _refuse_hiding(kind: PackageKind, spelling: Spelling) -> None:
     """Refuse a name whose classes would hide others that the files use: a law called ``law``.
 
+    Or that are no names of classes: ``True`` is a word of Python's own, and ``true`` is not.
+
     Raises
     ------
     ConfigurationError
@@ -188,6 +195,11 @@ def _refuse_hiding(kind: PackageKind, spelling: Spelling) -> None:
         own = {found for found in classes if old in found}
         for found in sorted(own):
             made = found.replace(old, new)
+            if keyword.iskeyword(made):
+                raise ConfigurationError(
+                    f"{spelling.dashed}: its class {made} would be a word of Python's own; choose "
+                    f"another name, as my-{spelling.dashed}"
+                )
             if made in classes - own:
                 raise ConfigurationError(
                     f"{spelling.dashed}: its class {made} would hide another one that {file} uses; "

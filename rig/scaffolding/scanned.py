@@ -15,6 +15,7 @@ from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
 from rig.assembly.survey import expected_on, survey_buses
 from rig.config import Profile, load_profile
+from rig.config.plain_dump import plain_text
 from rig.hal import Address, ConfigurationError, DeviceError
 from rig.hal.drawn_profile import DrawnProfile
 from rig.hal.frames import Found
@@ -117,8 +118,8 @@ def scanned_profile(
         f"# Begun from who answered on {on}, with the devices of {like}. What is true of it is",
         "# tested by `rig commission`: the order of devices of one kind is that of their numbers.",
         *(f"# {note}" for note in notes),
-        f"extends: {like}",
-        f"name: {name}",
+        f"extends: {plain_text(like)}",
+        f"name: {plain_text(name)}",
         "description: What it is, in one sentence",
         "",
         *_bus_lines(interfaces),

@@ -9,6 +9,7 @@ import numpy as np
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward
+from rig.config.plain_dump import plain_text
 from rig.hal.drawn_profile import DrawnProfile
 from rig.mechanisms.arm.drawing.chain import Chain, DrawingError, DrawnJoint
 from rig.mechanisms.arm.drawing.spherical_wrist import Drawing, recognise
@@ -126,7 +127,7 @@ def _head(name: str, chain: Chain, drawing: Drawing) -> list[str]:
         *_frame("base", drawing.base_rotation, drawing.base_position, chain.base),
         *_frame("tool", drawing.tip_rotation.T, np.zeros(3), chain.tip),
         "extends: arm",
-        f"name: {name}",
+        f"name: {plain_text(name)}",
         "description: A six-joint arm with a spherical wrist, from its description",
         "",
     ]
