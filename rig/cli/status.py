@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import click
 
+from rig.cli.milestones import Milestone, loops_of_rig, margin_missed
 from rig.cli.names import (
     complete_rig,
     configs_option,
@@ -26,24 +27,7 @@ if TYPE_CHECKING:
 
 
 _RUN: Final = "rig run EXPERIMENT --on hardware"
-
-
-class Milestone(NamedTuple):
-    """One milestone on the way to a rig that tracks.
-
-    Parameters
-    ----------
-    what : str
-        Its name.
-    state : str
-        How far it has come.
-    remedy : str
-        The command that brings it further; empty: nothing is missing.
-    """
-
-    what: str
-    state: str
-    remedy: str = ""
+_VALID: Final = "valid"
 
 
 @click.command()
@@ -69,7 +53,7 @@ def status(
     search = find_configs(configs)
     profile = load_profile(rig, REGISTRY, overrides, search)
     steps = way(profile, search, out)
-    stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
+    stages = [*steps, *loops_of_rig(profile, out), *_last_runs(profile, out)]
     title = ", ".join(filter(None, (profile.name, profile.description)))
     following, simulated = _following(steps), _in_simulation(profile, search, steps)
     notes = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
@@ -129,8 +113,8 @@ def _in_simulation(
     if profile.plant is None:
         return None
     remedies = {step.what: step.remedy for step in steps if step.remedy}
-    if "valid" in remedies:
-        return remedies["valid"]
+    if _VALID in remedies:
+        return remedies[_VALID]
     if _lacks_calibration(profile, search):
         return f"rig calibrate {profile.argument} --all"
     again = procedures_outdated(profile)
@@ -184,9 +168,17 @@ def _with_reason(command: str, steps: Sequence[Milestone]) -> str:
     """Return a command with the milestone that asks for it."""
     for step in steps:
         if step.remedy == command:
-            return f"{command}  ({step.what}: {step.state})"
-    calibrates = command.startswith("rig calibrate")
-    return f"{command}  ({'not all is calibrated' if calibrates else 'nothing is missing'})"
+            why = "it is not valid" if step.what == _VALID else f"{step.what}: {step.state}"
+            return f"{command}  ({why})"
+    if command.startswith("rig calibrate"):
+        return f"{command}  (not all is calibrated)"
+    better = [step for step in steps if step.better]
+    if better:
+        told = "; ".join(
+            f"what {step.what!r} lacks may be found by: {step.better}" for step in better
+        )
+        return f"{command}  (nothing keeps it from running; {told})"
+    return f"{command}  (nothing is missing)"
 
 
 def _valid(profile: Profile) -> list[Milestone]:
@@ -199,7 +191,8 @@ def _valid(profile: Profile) -> list[Milestone]:
     except ConfigurationError as error:
         first, *others = SeveralErrors.told_by(error)
         more = f", and {len(others)} more" if others else ""
-        return [Milestone("valid", f"no: {first}{more}", f"rig check {profile.argument}")]
+        told = first.partition("\n")[0]  # its places and excerpts are no lines of a table
+        return [Milestone(_VALID, f"no: {told}{more}", f"rig check {profile.argument}")]
     return []
 
 
@@ -230,7 +223,7 @@ def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
     verdict = verdict_of(profile, Backend.HARDWARE, record_folders(profile.files, search))
     if verdict.lack:
         remedy = f"rig commission {profile.argument} --on hardware"
-        return Milestone("commissioned", f"no: {verdict.lack}", remedy)
+        return Milestone("commissioned", f"no: {verdict.whole_lack}", remedy)
     return Milestone("commissioned", f"yes, {verdict.digest}")
 
 
@@ -331,28 +324,14 @@ def _of_gains(law: str, calibration: Calibration, profile: Profile) -> Milestone
     """Return the gains that were found for a law, and whether they are this rig's as it is now."""
     from rig.config.basis import changes_of, say_changes
 
-    state = _gains_of(calibration) + _margin_missed(calibration, profile.argument)
+    missed, better = margin_missed(law, calibration, profile.argument)
+    state = _gains_of(calibration) + missed
     changes = changes_of(calibration, profile)
     if not changes:
-        return Milestone(f"tuned: {law}", state)
+        return Milestone(f"tuned: {law}", state, better=better)
     remedy = f"rig tune {profile.argument} --controller {law} --replace"
     return Milestone(
         f"tuned: {law}", f"of another profile: {say_changes(changes)} ({state})", remedy
-    )
-
-
-def _margin_missed(calibration: Calibration, rig: str) -> str:
-    """Say how many drawn plants keep their margin, if that is less than `rig tune` asks for."""
-    from rig.hal.closed_loop import SENSITIVITY
-    from rig.tuning.verdict import ENOUGH
-
-    kept = calibration.provenance.conditions.get("sensitivity kept", "")
-    share = kept.partition(" % of ")[0]
-    if not share.replace(".", "", 1).isdecimal() or float(share) >= 100.0 * ENOUGH:
-        return ""
-    return (
-        f"; only {kept} keep a sensitivity of at most {SENSITIVITY:g}, and {100.0 * ENOUGH:g} % "
-        f"are asked for: `rig margins {rig}` measures it"
     )
 
 
@@ -361,24 +340,6 @@ def _gains_of(calibration: Calibration) -> str:
     wanted = calibration.provenance.conditions.get("tuned for", "")
     alone = f", for {wanted}: other motions may need others" if wanted else ""
     return f"{calibration.provenance.date[:10]}{alone}, {calibration.file}"
-
-
-def _margins(profile: Profile) -> list[Milestone]:
-    from rig.assembly import REGISTRY
-    from rig.cli.loops import known_loops, loops_of
-
-    tables, _ = loops_of(profile, known_loops(profile))
-    loops = [
-        Milestone(f"loop of {name}",
-              f"stable: {stable}, crossover {crossover}, phase {phase}, more dead time: {delay}, "
-              f"sensitivity {sensitivity}")
-        for table in tables
-        for name, stable, crossover, phase, delay, sensitivity in table.rows
-    ]  # fmt: skip
-    if loops and REGISTRY.measured_loop(profile.mechanism) is not None:
-        told = f"the above is the linear model's: rig margins {profile.argument} measures it"
-        loops.append(Milestone("loops measured", told))
-    return loops
 
 
 def _last_runs(profile: Profile, out: Path) -> list[Milestone]:

@@ -51,6 +51,10 @@ class _Record(TypedDict):
     host: NotRequired[str]
 
 
+_CHANGED: Final = ", of another profile: this one was changed since"
+_PROFILE_CHANGED: Final = "its profile was changed since it was commissioned"
+
+
 class CommissioningState(NamedTuple):
     """The answer to whether a rig may be used as its profile says.
 
@@ -76,8 +80,13 @@ class CommissioningState(NamedTuple):
         """The digest as runs tell it, or nothing."""
         if not self.digest:
             return ""
-        other = ", of another profile: this one was changed since" if self.is_changed else ""
-        return f"commissioning {self.digest}{other}"
+        return f"commissioning {self.digest}{_CHANGED if self.is_changed else ''}"
+
+    @property
+    def whole_lack(self) -> str:
+        """All that is missing: a record of another backend may be of another profile, too."""
+        is_told = not self.is_changed or self.lack == _PROFILE_CHANGED
+        return self.lack if is_told else f"{self.lack}{_CHANGED}"
 
 
 def tested_settings(profile: Profile) -> str:
@@ -249,8 +258,7 @@ def judge(
         lack = f"it was commissioned with another computer ({host}; this is {here})"
         return CommissioningState(digest, lack, is_changed=is_changed)
     if is_changed:
-        lack = "its profile was changed since it was commissioned"
-        return CommissioningState(digest, lack, is_changed=True)
+        return CommissioningState(digest, _PROFILE_CHANGED, is_changed=True)
     if digest != digest_of(content["settings"], content["steps"]):
         return CommissioningState(
             digest, "the program is another version than it was commissioned with"

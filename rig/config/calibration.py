@@ -85,8 +85,9 @@ def _changed_at(source: Source, path: Path, found: re.Match[str]) -> tuple[Mark,
             original = read_source(kept).text
         except ConfigurationError:
             continue
-        if original.endswith(found[0].rstrip("\n") + "\n"):
-            text = source.text
+        text = source.text
+        # A copy that was changed alike, with all of a folder, says nothing of what stood there.
+        if original != text and original.endswith(found[0].rstrip("\n") + "\n"):
             offset = next(
                 (i for i, (a, b) in enumerate(zip(text, original, strict=False)) if a != b),
                 min(len(text), len(original)),

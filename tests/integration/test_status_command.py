@@ -303,6 +303,73 @@ def test_a_profile_that_check_refuses_is_not_sent_on(configs):
     first = shown["stages"][0]
     assert first["what"] == "valid"
     assert "plant.home" in first["state"]
+    assert "\n" not in first["state"], "places and excerpts are no lines of a table"
+    printed = CliRunner().invoke(status, ["short"])
+    assert "next: rig check short  (it is not valid)\n" in printed.stderr
+
+
+def keep_margins(configs, name, law, started, measured):
+    """Keep a run as `rig margins` does, as far as `rig status` reads it."""
+    folder = configs.parent / name
+    folder.mkdir()
+    manifest = {
+        "status": "ok", "experiment": "cylinder-margins", "backend": "virtual",
+        "started": started, "rig": "cylinder", "law": law,
+    }  # fmt: skip
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    sensitivity = {"measured": measured, "interval": [0.9 * measured, 1.1 * measured]}
+    (folder / "margins.json").write_text(json.dumps({"now": {"sensitivity": sensitivity}}))
+
+
+def test_what_margins_has_measured_is_told_beside_the_model(configs):
+    found, _ = stages(configs)
+    assert found["loops measured"].startswith("never: ")
+    keep_margins(configs, "early", "cascade", "2026-01-01T00:00:00+00:00", 1.9)
+    keep_margins(configs, "later", "cascade", "2026-01-02T00:00:00+00:00", 1.5)
+    keep_margins(configs, "other", "pid", "2026-01-03T00:00:00+00:00", 2.5)
+    (configs.parent / "other" / "margins.json").write_text("{")
+    found, _ = stages(configs)
+    told = found["loop of cascade, measured"]
+    assert told.startswith("2026-01-02, on virtual, sensitivity 1.5 (95 %: 1.35 to 1.65), ")
+    assert told.endswith("later") and "loops measured" not in found
+    assert "loop of pid, measured" not in found
+    put_in_force(configs, "controllers.cascade", {})
+    told = stages(configs)[0]["loop of cascade, measured"]
+    assert "other gains were found since: rig margins cylinder --controller cascade" in told
+
+
+@pytest.mark.parametrize(("share", "lacks"), [("89.0", True), ("99.5", False)])
+def test_gains_that_keep_too_little_margin_are_not_said_to_lack_nothing(configs, share, lacks):
+    keep(configs, *PROCEDURES, backend="virtual")
+    tuned = {
+        "procedure": "tune", "date": TODAY.isoformat(), "operator": "A", "backend": "virtual",
+        "conditions": {
+            "tuned for": "sines and holds", "generations": "8",
+            "sensitivity kept": f"{share} % of 200 plants, measured",
+        },
+    }  # fmt: skip
+    content = {"values": {}, "measured": [], "provenance": tuned}
+    store.write(configs, "cylinder", "controllers.cascade", content)
+    told = show(configs).stderr
+    assert "next in simulation: rig run EXPERIMENT --rig cylinder  (nothing " in told
+    assert ("(nothing is missing)" in told) is not lacks
+    assert ("rig tune cylinder --controller cascade --generations 16)" in told) is lacks
+    state = stages(configs)[0]["tuned: cascade"]
+    asked = "only 89.0 % of 200 plants keep a sensitivity of at most 1.7 (measured), and 99 % are"
+    assert (asked in state) is lacks
+
+
+def test_a_record_of_simulation_and_of_another_profile_is_told_both(configs, monkeypatch):
+    for lack, said in (
+        ("on virtual", "no: on virtual, of another profile: this one was changed since"),
+        (
+            "its profile was changed since it was commissioned",
+            "no: its profile was changed since it was commissioned",
+        ),
+    ):
+        verdict = CommissioningState("0123abcd", lack, is_changed=True)
+        monkeypatch.setattr("rig.commissioning.permission.verdict_of", lambda *_, v=verdict: v)
+        assert stages(configs)[0]["commissioned"] == said
 
 
 @pytest.mark.parametrize("own", [True, False])

@@ -102,6 +102,14 @@ def test_a_changed_file_without_its_history_is_refused_at_its_seal(configs):
         load(configs)
 
 
+def test_a_file_that_was_changed_along_with_its_history_is_refused(configs):
+    path = calibrate(configs)
+    for file in (path, *(path.parent / "history").rglob("*.yaml")):
+        file.write_text(file.read_text().replace("0.0015 m", "0.0016 m"), encoding="utf-8")
+    with pytest.raises(ProfileError, match=r"encoder-agonist.yaml:\d+:1: the file was changed"):
+        load(configs)
+
+
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 0.99])
 def test_a_truncated_file_is_refused_with_its_place(configs, share):
     path = calibrate(configs)
