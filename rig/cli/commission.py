@@ -71,7 +71,9 @@ class _Options(TypedDict):
 @click.option(
     "--dry-run", is_flag=True, help="Show the steps and the keys of --answers; open nothing."
 )
-@click.option("--operator", default=None, help="Who tests; default: the user's name.")
+@click.option(
+    "--operator", default=None, help="Who tests, kept with each step; default: the user's name."
+)
 @click.option(
     "--valid-for", type=click.IntRange(1, 36500), default=365, show_default=True, help="Days."
 )
@@ -139,11 +141,13 @@ def _commission(
     record = begin(profile, search, circumstances, anew=options["anew"])
     click.echo(f"the record of {profile.name} is kept in {say_where(search[0])}", err=True)
     seed = "" if options["seed"] is None else f" --seed {options['seed']}"
-    again = f"rig commission {profile.argument} --on {on}{seed}"
+    by = "" if options["operator"] is None else f" --operator {shlex.quote(options['operator'])}"
+    again = f"rig commission {profile.argument} --on {on}{seed}{by}"
     try:
         stopped = commission_rig(
-            site, record, steps, search[0], lambda text: click.echo(text, err=True)
-        )
+            site, record, steps, search[0], lambda text: click.echo(text, err=True),
+            options["operator"],
+        )  # fmt: skip
     except (KeyboardInterrupt, click.Abort) as error:  # the latter where somebody is asked
         safe = f"the rig could not be made safe: {error}" if str(error) else "the rig is made safe"
         click.echo(f"interrupted; {safe}; what has passed is kept, go on with: {again}", err=True)

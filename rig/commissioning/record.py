@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, NotRequired, TypedDict, cast
 
 from rig.config import Profile
-from rig.config.calibration import HARDWARE, check_seal, seal
+from rig.config.calibration import HARDWARE, SealWords, check_seal, seal
 from rig.config.diagnostics import Problems
 from rig.config.dump import plain_of
 from rig.config.ownership import is_owner, owner_label
@@ -27,6 +27,14 @@ FOLDER: Final = "commissioning"
 """Of the configurations, beside rigs and calibrations."""
 _LATER: Final = ("simulation", "plant", "controllers", "name", "description")
 """Keys of a profile that say nothing of the hardware, or that are found after the test."""
+BY: Final = "operator"
+"""Key of a record, for who began it, and of each step, for who has taken that."""
+_SEAL: Final = SealWords(
+    "rig commission",
+    "it was not tested so",
+    "take it from a copy, or test again from the first step: rig commission RIG --anew",
+)
+"""What is said of a record whose seal does not fit; no copy of it is kept."""
 
 Content = dict[str, Any]
 """A record as plain data."""
@@ -110,7 +118,7 @@ def _uncalibrated(profile: Profile) -> Profile:
 
 
 def digest_of(settings: str, steps: Content) -> str:
-    """Return the eight characters over what was tested.
+    """Return the eight characters over what was tested; by whom is no part of it.
 
     Parameters
     ----------
@@ -119,7 +127,11 @@ def digest_of(settings: str, steps: Content) -> str:
     steps : mapping
         What each step has found: who the devices are, values and their bounds.
     """
-    return _digest({"settings": settings, "program": _version(), "steps": steps})[:8]
+    tested = {
+        name: {key: value for key, value in found.items() if key != BY}
+        for name, found in steps.items()
+    }
+    return _digest({"settings": settings, "program": _version(), "steps": tested})[:8]
 
 
 def _digest(content: object) -> str:
@@ -149,7 +161,7 @@ def load_record(rig: str, search: Sequence[Path]) -> Content | None:
         if os.path.lexists(path):  # a pipe or a link to nothing is no missing record
             source = read_source(path)
             problems = Problems()
-            check_seal(source, path, problems)
+            check_seal(source, path, problems, _SEAL)
             problems.raise_if_any()
             content = plain_in(source)
             checked(content, _Record, str(path))
@@ -171,6 +183,11 @@ def read_answers(path: Path) -> dict[str, str]:
     return {str(key): str(value) for key, value in content.items()}
 
 
+def operator_of(given: str | None) -> str:
+    """Return who tests: who was named, or else the user."""
+    return given or getpass.getuser()
+
+
 def new_record(
     profile: Profile,
     backend: str,
@@ -183,7 +200,7 @@ def new_record(
     return {
         "rig": profile.name,
         **({} if owner is None else {"profile": owner}),
-        "operator": operator or getpass.getuser(),
+        BY: operator_of(operator),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "valid_until": until,
         "backend": backend,

@@ -8,11 +8,13 @@ from typing import NamedTuple
 from rig.assembly import REGISTRY
 from rig.commissioning.page import write_page
 from rig.commissioning.record import (
+    BY,
     Content,
     digest_of,
     load_record,
     missing,
     new_record,
+    operator_of,
     tested_settings,
     whose,
     write_record,
@@ -94,12 +96,19 @@ def begin(
 
 
 def commission(
-    site: Site, record: Content, steps: Sequence[AcceptanceStep], configs: Path, say: Say
+    site: Site,
+    record: Content,
+    steps: Sequence[AcceptanceStep],
+    configs: Path,
+    say: Say,
+    operator: str | None = None,
 ) -> str | None:
     """Take every step that the record lacks; return what stopped it, or None.
 
-    The record is written after each step, and the page after the last one.
+    The record is written after each step, and the page after the last one. Each step keeps who
+    has taken it: another one than `operator` may have taken those before.
     """
+    by = operator_of(operator)
     names = [step.name for step in steps]
     lacking = missing(record, names)
     for number, step in enumerate(steps, 1):
@@ -107,7 +116,7 @@ def commission(
             continue
         say(f"{number}/{len(steps)} {step.name}: {step.does}")
         say(f"  expected: {step.expects}")
-        found, defect = _perform(step, site)
+        found, defect = _perform(step, site, by)
         record["steps"][step.name] = found
         record["digest"] = ""
         for line in found["measured_in_words"]:
@@ -124,7 +133,7 @@ def commission(
     return None
 
 
-def _perform(step: AcceptanceStep, site: Site) -> tuple[Content, str | None]:
+def _perform(step: AcceptanceStep, site: Site, by: str) -> tuple[Content, str | None]:
     try:
         outcome, defect = step.perform(site), None
     except RigError as error:
@@ -134,6 +143,7 @@ def _perform(step: AcceptanceStep, site: Site) -> tuple[Content, str | None]:
     found = {
         "passed": defect is None,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        BY: by,
         "said": outcome.said,
         "measured": [_plain(value) for value in outcome.measured],
         "measured_in_words": [str(value) for value in outcome.measured],

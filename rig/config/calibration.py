@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import merge, parse_mapping, with_plain_quantities
@@ -56,15 +56,53 @@ def seal(text: str) -> str:
     return f"{body}seal: {hashlib.sha256(body.encode()).hexdigest()}\n"
 
 
-def check_seal(source: Source, path: Path, problems: Problems) -> None:
-    """Note where a calibration file was changed after it was written, or that it is cut short."""
+class SealWords(NamedTuple):
+    """The words on a file whose seal does not fit.
+
+    Parameters
+    ----------
+    writer : str
+        The command that writes it.
+    changed : str
+        What is so if somebody changed it.
+    mend : str
+        What mends both.
+    """
+
+    writer: str
+    changed: str
+    mend: str
+
+
+def check_seal(
+    source: Source, path: Path, problems: Problems, words: SealWords | None = None
+) -> None:
+    """Note where a file was changed after it was written, or that it is cut short.
+
+    Parameters
+    ----------
+    source : Source
+        Its text.
+    path : Path
+        Where it is.
+    problems : Problems
+        Takes what is wrong.
+    words : SealWords, optional
+        Of another file than a calibration.
+    """
+    kept = path.parent / HISTORY / path.stem
+    writer, changed, mend = words or SealWords(
+        "rig calibrate",
+        "what stands here was not measured",
+        "calibrate again; a value of your own belongs into the profile or --set",
+    )
     found = _SEAL.search(source.text)
     if found is None:
         end = source.mark_at(len(source.text.rstrip("\n")))
         problems.add(
             end,
-            "the file ends without its seal: it is truncated, or was not written by rig calibrate",
-            f"calibrate again, or take the last one of {path.parent / HISTORY / path.stem}",
+            f"the file ends without its seal: it is truncated, or was not written by {writer}",
+            mend if words else f"calibrate again, or take the last one of {kept}",
         )
         return
     body = source.text[: found.start()]
@@ -73,8 +111,8 @@ def check_seal(source: Source, path: Path, problems: Problems) -> None:
     mark, was = _changed_at(source, path, found)
     problems.add(
         mark,
-        "the file was changed after it was written: what stands here was not measured",
-        was or "calibrate again; a value of your own belongs into the profile or --set",
+        f"the file was changed after it was written: {changed}",
+        was or mend,
     )
 
 
