@@ -199,11 +199,7 @@ def whose_bug(error: BaseException) -> str | None:
     ours: it works with what the class has made of the rest. Of what was given in Python the
     function that we called is named; a Ctrl-C that came while it ran is nobody's bug.
     """
-    names = {
-        point.value.partition(":")[0].partition(".")[0]
-        for group in GROUPS
-        for point in entry_points(group=group)
-    }
+    names = _packages_of_others()
     given = set() if isinstance(error, KeyboardInterrupt) else _GIVEN
     called: FrameType | None = None
     last: tuple[FrameType, int] | None = None
@@ -225,6 +221,47 @@ def whose_bug(error: BaseException) -> str | None:
     if called is None or last is None:
         return None
     return f"{called.f_code.co_qualname} ({last[0].f_code.co_filename}, line {last[1]})"
+
+
+def _packages_of_others() -> set[str]:
+    return {
+        point.value.partition(":")[0].partition(".")[0]
+        for group in GROUPS
+        for point in entry_points(group=group)
+    }
+
+
+def lines_of_others(error: BaseException) -> list[traceback.FrameSummary]:
+    """Return the lines of other people's code that led to an error; none: it was all of ours."""
+    names = _packages_of_others()
+    theirs = []
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        module = str(frame.f_globals.get("__name__", ""))
+        if module.partition(".")[0] in names or module in _GIVEN:
+            code = frame.f_code
+            theirs.append(traceback.FrameSummary(code.co_filename, line, code.co_name))
+    return theirs
+
+
+def said(error: BaseException) -> str:
+    """Return the kind of an error and what it says, with what there is where a name is missing."""
+    told = f"{type(error).__name__}: {error}"
+    of = error.obj if isinstance(error, AttributeError) else None
+    if isinstance(of, type) or not _is_record(of):
+        return told
+    kind = type(of)
+    names = [
+        name
+        for name in dir(of)
+        if not name.startswith("_") and not callable(getattr(kind, name, None))
+    ]
+    return f"{told}; it has: {', '.join(names)}"
+
+
+def _is_record(thing: object) -> bool:
+    """Return whether a thing is a named tuple, or a dataclass of ours."""
+    is_named = isinstance(thing, tuple) and hasattr(thing, "_fields")
+    return is_named or (is_dataclass(thing) and is_ours(type(thing)))
 
 
 def _class_of(frame: FrameType) -> type | None:

@@ -107,12 +107,17 @@ def _report(error: BaseException) -> int:
         return 3 if isinstance(error, DeviceError) else 4
     import traceback
 
-    from rig.assembly.contract_check import whose_bug
+    from rig.assembly.contract_check import lines_of_others, said, whose_bug
 
-    traceback.print_exc()
     place = whose_bug(error)
+    theirs = [] if place is None else lines_of_others(error)
+    if theirs:  # the way there is ours, and says nothing to who wrote them
+        for text in (*traceback.format_list(theirs), *getattr(error, "__notes__", ())):
+            click.echo(text.rstrip("\n"), err=True)
+    else:
+        traceback.print_exc()
     if place is not None:
-        click.echo(f"\nerror: {place}: {type(error).__name__}: {error}", err=True)
+        click.echo(f"\nerror: {place}: {said(error)}", err=True)
         return 2
     click.echo(
         "\nThis is a bug in rig, not in your files. Please report it with the text above.", err=True

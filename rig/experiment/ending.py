@@ -4,7 +4,7 @@ import contextlib
 from types import TracebackType
 from typing import NamedTuple
 
-from rig.assembly.contract_check import whose_bug
+from rig.assembly.contract_check import said, whose_bug
 from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
@@ -64,7 +64,7 @@ def bug_of(error: BaseException, t: float | None = None) -> Ending:
     t : float, optional
         When it came, s after the run began.
     """
-    what = f"{type(error).__name__}: {error}"
+    what = said(error)
     place = whose_bug(error)
     if place is None:
         return Ending(RunStatus.CRASHED, EXIT_BUG, what, error)

@@ -29,6 +29,7 @@ from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
 from rig.experiment.injected import faults_that_came
+from rig.experiment.kept_traceback import keep_traceback
 from rig.experiment.metrics import Metric, all_passed
 from rig.experiment.new_folder import create_folder, log_columns
 from rig.experiment.permission import check_permitted
@@ -195,6 +196,8 @@ def run_experiment(
                     watcher.said(str(stopwatch))
                 if ending.status is RunStatus.OK and not all_passed(metrics):
                     ending = Ending(RunStatus.FAILED, EXIT_MISSED)
+                if ending.bug is not None:
+                    keep_traceback(folder.path, ending.bug)
                 _close(folder, ending, counts, watcher)
         if ending.bug is not None and raises:
             raise ending.bug  # the rig is safe by now, and the traceback is wanted

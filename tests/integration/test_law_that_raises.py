@@ -1,5 +1,7 @@
 """What a law of another package raises is said with its line, whichever call it was."""
 
+from pathlib import Path
+
 import pytest
 
 LAW = """
@@ -30,3 +32,20 @@ def test_an_exception_of_a_law_is_said_with_its_line(plug_in, kind, call):
     assert f"{module}, line " in said
     assert f"{kind}: " in said
     assert "returned None" not in said
+    shown = said.splitlines()
+    files = [line.split('"')[1] for line in shown if line.lstrip().startswith('File "')]
+    assert files, said
+    assert all(Path(file).stem.startswith(("broken_", "laws")) for file in files), said
+    (kept,) = [line for line in shown if line.startswith("the whole traceback: ")]
+    whole = Path(kept.removeprefix("the whole traceback: ")).read_text()
+    assert whole.startswith("Traceback (most recent call last):")
+    assert "/rig/runtime/" in whole and f"{kind}: " in whole
+
+
+def test_an_attribute_that_a_state_has_not_is_told_with_those_that_it_has(plug_in):
+    code = LAW.format(call=2, statement="state.psition")
+    command = ("run", "crank-turns", "--on", "sim", "--no-report")
+    _, said, _ = plug_in("rig.mechanisms", "crank", code, *command)
+    last = said.rstrip().splitlines()[-1]
+    assert last.startswith("error: "), said
+    assert "has no attribute 'psition'" in last and "; it has: " in last, last
