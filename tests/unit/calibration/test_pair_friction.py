@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import random
 from typing import NamedTuple
 
 import numpy as np
@@ -185,6 +186,29 @@ def test_a_glide_breaks_away_slows_down_and_ends_within_its_way(profile):
     assert moving[400] < 0.035
     assert abs(pair.x) < motion.settings.travel + 3e-3
     assert speeds[-1] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_pair_that_runs_ahead_of_its_spring_is_let_go_before_its_end(profile, seed):
+    """Its seals take less than half way, and it runs until the chambers have long been level."""
+    chance = random.Random(f"ahead {seed}")
+    speed, lag = chance.uniform(0.05, 0.1), chance.uniform(0.03, 0.07)
+    motion = procedures(profile)["friction"].excite(profile, ()).motion
+    motion.reset(PairState(0.0, 0.0, 120e3, 120e3))
+    first = next(iter(motion.settings.glides()))
+    low, high = profile.mechanism_settings.limits.position
+    area, breakaway = profile.mechanism_settings.area, chance.uniform(10.0, 25.0)
+    x, t, level, slides = -motion.settings.travel, 0.0, 0.0, False
+    while t < first.end:
+        command = motion.update(PairState(t, x, 0.0, 0.0), motion.at(t))
+        force = area * (command.agonist - command.antagonist)
+        slides |= t > first.rise and force > breakaway
+        level = 0.0 if force > 0.0 else level + PERIOD
+        if slides and level < lag:
+            x += PERIOD * (speed if x > 0.3 * motion.settings.travel else 0.02)
+        t += PERIOD
+    assert 0.5 * motion.settings.travel < x < high
+    assert low < x
 
 
 def test_preview_says_that_no_controller_holds_the_pair(profile):

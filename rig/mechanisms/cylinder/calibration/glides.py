@@ -8,6 +8,7 @@ sliding, down to the speed below which friction falls faster with the speed than
 """
 
 import math
+from collections import deque
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple
@@ -36,6 +37,16 @@ _CAUGHT: Final = 0.25
 
 _SHORT: Final = 0.5
 """Share of half the permitted way short of which a glide is done once more: it tells too little."""
+
+_LATELY: Final = 0.02
+"""A speed is that of so long a time, s."""
+
+_AHEAD: Final = 0.08
+"""So long after it is let go a pair is still pulled, s: dead time and lag of the regulators."""
+
+_ROOM: Final = 1.1
+"""Times half the permitted way: a pair that would be beyond that by then is let go before. Some
+seals let a heavy carriage go faster than the spring is pulled."""
 
 _FLOOR: Final = 15e3
 """No chamber goes below, Pa gauge: its wire would go slack."""
@@ -256,10 +267,17 @@ class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
         first = glide.side * (self.state.position - stood)
         began, at_first = self.t, (1.0 - less) * force
         looked, was = began, first
+        lately = deque([(began, first)])
         yield force
         while True:
             since, way = self.t - began, glide.side * (self.state.position - stood)
             force = at_first + settings.stiffness * (settings.way(since) - (way - first))
+            lately.append((self.t, way))
+            while self.t - lately[0][0] > _LATELY:
+                lately.popleft()
+            speed = (way - lately[0][1]) / max(self.t - lately[0][0], _LATELY)
+            if glide.side * self.state.position + _AHEAD * speed > _ROOM * settings.travel:
+                return None
             if self.t - looked >= _STUCK[0]:
                 stopped = since > _CAUGHT and way - was < _STUCK[1]
                 looked, was = self.t, way
