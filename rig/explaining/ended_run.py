@@ -36,6 +36,7 @@ _WARNED = (
     "has little room",
 )
 """Kinds of remarks on a motion that may be why its run did not go well."""
+_HELD_BACK = re.compile("stood at the end of limits")
 _SEEN = ("oscillation", "stick_slip")
 """Kinds that a message tells because it was seen: a diagnosis only says what would fit as well."""
 _RECENT = 10.0
@@ -103,6 +104,7 @@ def explain_run(folder: Path) -> list[Remark]:
 
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
+        said += _given(manifest.get("command", []))
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     unsafe = list(_messages(folder, _UNSAFE))
     wrongs = manifest.get("wrongs", [])
@@ -129,6 +131,7 @@ def explain_run(folder: Path) -> list[Remark]:
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
         told.reverse()
+    told.sort(key=lambda sentence: not _HELD_BACK.search(sentence))  # plain to see, and no guess
     told = [*_messages(folder, _FELL), *told]  # before it fell there was no other fault
     told[:0] = ["may not be safe"] if unsafe else []
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
@@ -205,6 +208,15 @@ def _injected(folder: Path) -> Iterator[Remark]:
 
 def _messages(folder: Path, kind: str) -> Iterator[str]:
     return (event["message"] for event in read_events(folder) if event.get("kind") == kind)
+
+
+def _given(command: Sequence[str]) -> Iterator[Remark]:
+    """Yield what the command of a run set otherwise than its files do: look there first."""
+    settings = [after for word, after in pairwise(command) if word == "--set"]
+    if settings:
+        yield Remark(
+            "set", f"otherwise than the files by this run's command: {'; '.join(settings)}"
+        )
 
 
 def _topic_of_event(folder: Path, kind: str) -> FaultTopic | None:

@@ -8,6 +8,7 @@ import numpy as np
 from rig.hal.hindsight import Suspect
 from rig.mechanisms.pneumatic.diagnosis.causes import Explanation
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond, Signals, gather
+from rig.mechanisms.pneumatic.diagnosis.held_back import held_back
 from rig.mechanisms.pneumatic.diagnosis.ranking import likeliest, rank
 from rig.mechanisms.pneumatic.diagnosis.words import suspect_of
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
@@ -49,6 +50,5 @@ def suspects(
     evidence = gather(Signals(*(signal[known] for signal in signals)), channels, pairs, settings)
     if evidence is None:
         return ()
-    return tuple(
-        suspect_of(trial, evidence) for trial in likeliest(rank(evidence, others(evidence)))
-    )
+    fitted = (suspect_of(trial, evidence) for trial in likeliest(rank(evidence, others(evidence))))
+    return (*held_back(evidence), *fitted)

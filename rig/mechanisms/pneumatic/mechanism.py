@@ -21,6 +21,7 @@ from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.vented import explain_left
 from rig.mechanisms.pneumatic.cut_wire import expect_cut_wire, refuse_weak_stop
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
+from rig.mechanisms.pneumatic.pull import expect_pull
 from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
@@ -124,8 +125,9 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:
-        """Return what a cut wire comes to; see `Mechanism.expected_of`."""
-        return expect_cut_wire(settings, len(cls.channels), settings.greatest_pressure)
+        """Return what a cut wire comes to, and a pair's pull; see `Mechanism.expected_of`."""
+        cut = expect_cut_wire(settings, len(cls.channels), settings.greatest_pressure)
+        return (*cut, expect_pull(settings))
 
     def in_force(self, settings: Chosen) -> Chosen:
         """Return settings with the regulators' full scale; see `Mechanism.in_force`."""
