@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
@@ -25,22 +26,55 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
     DeviceError
         It is refused whatever the operator says.
     """
-    from rig.assembly import Backend, backend_of, check_fitness
+    from rig.assembly import Backend, backend_of
+    from rig.hal import RigError
+
+    if backend_of(on) is not Backend.HARDWARE:
+        return True
+    try:
+        plan = _permitted(plan, on, uncommissioned)
+    except RigError as error:
+        for reason in _other_reasons(plan, str(error), uncommissioned):
+            error.add_note(f"refused as well: {reason}")
+        raise
+    for sentence in announcement(plan):
+        click.echo(sentence, err=True)
+    return confirm(plan.profile.name, yes)
+
+
+def _permitted(plan: Plan, on: str, uncommissioned: str | None) -> Plan:
+    """Return a plan as hardware may carry it out; what there is to say of it is said.
+
+    Raises
+    ------
+    RigError
+        The first reason why it must not.
+    """
+    from rig.assembly import Backend, check_fitness
     from rig.commissioning.permission import as_commissioned
     from rig.experiment.fitness import refuse_unfit
     from rig.experiment.permission import check_permitted
 
-    if backend_of(on) is not Backend.HARDWARE:
-        return True
     check_permitted(plan, Backend.HARDWARE, on)
     check_fitness(plan.profile)
     plan, said = as_commissioned(plan, Backend.HARDWARE, uncommissioned)
     for sentence in said:
         click.echo(sentence, err=True)
     refuse_unfit(plan, partial(click.echo, err=True))
-    for sentence in announcement(plan):
-        click.echo(sentence, err=True)
-    return confirm(plan.profile.name, yes)
+    return plan
+
+
+def _other_reasons(plan: Plan, first: str, uncommissioned: str | None) -> Iterator[str]:
+    """Yield why hardware would refuse a plan besides the reason that was met first."""
+    from rig.cli.check_hardware import refusals_of, refusals_of_plan
+    from rig.experiment.frozen import longest_freeze
+
+    yield from (reason for reason in refusals_of(plan.profile) if reason != first)
+    wanted: list[str] = []
+    with contextlib.suppress(Exception):  # nothing that is told besides may hide the first reason
+        bound = longest_freeze(plan, partial(click.echo, err=True))
+        wanted += refusals_of_plan(plan, bound, heed_commissioning=uncommissioned is None)
+    yield from (reason for reason in wanted if reason != first)
 
 
 def announcement(plan: Plan) -> Iterator[str]:

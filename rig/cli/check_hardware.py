@@ -35,7 +35,7 @@ def refusals_of(profile: Profile) -> Iterator[str]:
         yield trouble
 
 
-def refusals_of_plan(plan: Plan, bound: Bound) -> Iterator[str]:
+def refusals_of_plan(plan: Plan, bound: Bound, *, heed_commissioning: bool = True) -> Iterator[str]:
     """Yield why hardware would not run an experiment whose profile it takes, each with its mend.
 
     Parameters
@@ -44,13 +44,15 @@ def refusals_of_plan(plan: Plan, bound: Bound) -> Iterator[str]:
         Checked.
     bound : Freeze or NoBound or Unfollowed
         For how long its setpoints may stay as they are.
+    heed_commissioning : bool
+        Nobody has said why it moves though it is not commissioned.
     """
     from rig.assembly import Backend
     from rig.commissioning.permission import as_commissioned, verdict_of
     from rig.experiment.frozen import refuse_slow_devices
     from rig.experiment.loop_margins import refuse_small_margin
 
-    if not verdict_of(plan.profile, Backend.HARDWARE).trouble:
+    if heed_commissioning and not verdict_of(plan.profile, Backend.HARDWARE).trouble:
         yield from _said_by(lambda: as_commissioned(plan, Backend.HARDWARE))
     yield from _said_by(lambda: refuse_slow_devices(plan, _unheard, bound))
     yield from _said_by(lambda: refuse_small_margin(plan, _unheard))

@@ -96,7 +96,8 @@ def _report(error: BaseException) -> int:
     from rig.hal import ConfigurationError, DeviceError, RigError
 
     if isinstance(error, RigError):
-        click.echo(brief(visible(f"error: {error}")), err=True)
+        for line in (f"error: {error}", *getattr(error, "__notes__", ())):
+            click.echo(brief(visible(line)), err=True)
         if isinstance(error, ConfigurationError):
             _tell_of_broken_packages(str(error))
             return 2

@@ -50,3 +50,23 @@ def test_a_program_is_told_the_same():
 
 def late():
     return {"buses.can0.heartbeat": 0.09, "buses.can0.heartbeat_timeout": 0.19}
+
+
+@pytest.mark.parametrize("words", [["run", "cylinder-sine"], ["margins", "cylinder"]])
+def test_a_run_on_hardware_is_refused_with_all_that_check_lists(
+    tmp_path, monkeypatch, capsys, words
+):
+    monkeypatch.chdir(tmp_path)
+    own = ["--on", "hardware", "--yes", "cylinder", *sets(SLOW)]
+    assert invoke([*words, *own]) == 3
+    lines = capsys.readouterr().err.splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("error: "))
+    assert "Give the energy that the stop bears" in lines[first]
+    others = [line for line in lines[first + 1 :] if line.startswith("refused as well: ")]
+    assert any("shorten its heartbeat" in line for line in others), lines
+    if words[0] == "run":
+        assert invoke(["check", words[1], *sets(SLOW)]) == 0
+        listed = capsys.readouterr().err.splitlines()
+        listed = [line.partition(": ")[2] for line in listed if line.startswith("hardware would")]
+        told = [line.partition(": ")[2] for line in (lines[first], *others)]
+        assert told == listed
