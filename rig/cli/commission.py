@@ -31,6 +31,7 @@ from rig.terminals import is_terminal
 if TYPE_CHECKING:
     from rig.assembly import Rig
     from rig.commissioning.operator import Operator
+    from rig.commissioning.questions import Rehearsed
     from rig.commissioning.site import Site
     from rig.commissioning.step import AcceptanceStep
     from rig.commissioning.stopping import StepInterrupts
@@ -90,6 +91,7 @@ def commission(rig: str, **options: Unpack[_Options]) -> int:
     and say the same again. Simulated hands do in a simulation what a person does at a rig.
     """
     from rig.assembly import REGISTRY, check_profile
+    from rig.commissioning.answers import check_answers
     from rig.commissioning.record import read_answers
     from rig.commissioning.session import steps_of
     from rig.commissioning.stopping import StepInterrupts
@@ -101,12 +103,15 @@ def commission(rig: str, **options: Unpack[_Options]) -> int:
     profile = load_profile(rig, REGISTRY, overrides, search)
     check_profile(profile)
     steps = steps_of(profile)
-    if options["answers"] is not None:  # what is wrong with it is said before anything moves
-        read_answers(options["answers"])
-    if options["dry_run"]:
-        return _show(profile, steps, as_json=options["as_json"])
+    file, is_dry = options["answers"], options["dry_run"]
+    given = {} if file is None else read_answers(file)
+    asked = _asked_in(profile, steps) if is_dry or file is not None else None
+    if asked is not None and file is not None:  # what is wrong is said before anything moves
+        check_answers(file, given, asked, None if is_dry else ())
+    if asked is not None and is_dry:
+        return _show(profile, steps, asked, as_json=options["as_json"])
     with StepInterrupts() as stop:
-        return _commission(profile, steps, search, options, stop)
+        return _commission(profile, steps, search, options, stop, asked)
 
 
 def _commission(
@@ -115,10 +120,15 @@ def _commission(
     search: Sequence[Path],
     options: _Options,
     stop: StepInterrupts,
+    asked: Rehearsed | None,
 ) -> int:
-    """Take the steps; a request to stop ends them with the rig made safe."""
+    """Take the steps; a request to stop ends them with the rig made safe.
+
+    `asked`, of a test with a file of answers, is what that has to answer.
+    """
     from rig.assembly import Backend, backend_of
-    from rig.commissioning.record import FOLDER
+    from rig.commissioning.answers import check_answers
+    from rig.commissioning.record import FOLDER, missing, read_answers
     from rig.commissioning.session import CommissioningFacts, begin
     from rig.commissioning.session import commission as commission_rig
     from rig.config.names import say_where
@@ -139,6 +149,10 @@ def _commission(
     site = _site(profile, options, stop)
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
+    file = options["answers"]
+    if asked is not None and file is not None:
+        lacking = missing(record, [step.name for step in steps])
+        check_answers(file, read_answers(file), asked, lacking)
     click.echo(f"the record of {profile.name} is kept in {say_where(search[0])}", err=True)
     seed = "" if options["seed"] is None else f" --seed {options['seed']}"
     by = "" if options["operator"] is None else f" --operator {shlex.quote(options['operator'])}"
@@ -222,17 +236,27 @@ def _rested(rig: Rig) -> Rig:
     return rig
 
 
-def _show(profile: Profile, steps: Sequence[AcceptanceStep], *, as_json: bool) -> int:
-    """Show the steps, and by which keys a file of answers answers what they ask."""
+def _asked_in(profile: Profile, steps: Sequence[AcceptanceStep]) -> Rehearsed:
+    """Go through the test on emulated devices, and return what is asked."""
     from rig.commissioning.questions import questions_of
 
     click.echo("gone through on emulated devices to see what is asked …", err=True)
-    questions, stopped = questions_of(profile, steps)
+    asked = questions_of(profile, steps)
+    if asked.stopped is not None:
+        click.echo(f"what is asked is not known any further: {asked.stopped}", err=True)
+    return asked
+
+
+def _show(
+    profile: Profile, steps: Sequence[AcceptanceStep], rehearsed: Rehearsed, *, as_json: bool
+) -> int:
+    """Show the steps, and by which keys a file of answers answers what they ask."""
+    questions = rehearsed.questions
     if as_json:
         told = [{"step": s.name, "does": s.does, "expects": s.expects} for s in steps]
         content = {
             "rig": profile.name, "steps": told, "answers": [q._asdict() for q in questions],
-            "answers_lack": stopped,
+            "answers_lack": rehearsed.stopped,
         }  # fmt: skip
         print_data(json.dumps(content, indent=2, ensure_ascii=False))
         return 0
@@ -248,6 +272,4 @@ def _show(profile: Profile, steps: Sequence[AcceptanceStep], *, as_json: bool) -
         "a number that ends a key is what was set when it was asked; another rig may come to "
         "another one", err=True,
     )  # fmt: skip
-    if stopped is not None:
-        click.echo(f"what is asked is not known any further: {stopped}", err=True)
     return 0

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
+from rig.commissioning.forms import Form, anything
 from rig.hal import ConfigurationError
 from rig.hal.world import BreakableWorld
 
@@ -18,11 +19,17 @@ class Task(NamedTuple):
         What to do, in one sentence.
     in_simulation : callable
         Does it in a simulated world, and returns what a person would answer.
+    form : callable
+        Says what is expected in the place of an answer that is none.
+    stem : str
+        The key without its end where that is a number that was measured; else empty.
     """
 
     key: str
     text: str
     in_simulation: Callable[[BreakableWorld], str]
+    form: Form = anything
+    stem: str = ""
 
 
 class Operator(Protocol):

@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 from rig.assembly import Rig
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import one_of
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -222,4 +223,4 @@ def _cable_task(key: str, text: str, bus: str, lost: float) -> Task:
         world.inject(bus, "frame_loss", lost)
         return "yes"
 
-    return Task(key, text, act)
+    return Task(key, text, act, one_of("yes"))

@@ -9,6 +9,7 @@ from controllers.spherical_joint.exact_wire import ExactWires
 from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation
 from rig.assembly import REGISTRY
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import one_of
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep
@@ -71,6 +72,7 @@ _UPRIGHT: Final = Task(
     "first-motion.upright",
     "Set the ring upright, by its jig or by eye, with every wire straight; is it (yes)?",
     lambda world: "yes",
+    one_of("yes"),
 )
 
 

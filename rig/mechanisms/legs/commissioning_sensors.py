@@ -6,6 +6,7 @@ from math import degrees, radians
 from typing import Final
 
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -121,10 +122,14 @@ def _told(site: Site, task: Task, unit: str) -> float:
         It is nothing that a sensor could be held against.
     """
     by = parse_reading(site.operator.answer(task), unit)
-    least = 0.1 * (_FORCE if unit == "N" else _LEAN)
-    if by < least:
+    if by < _least(unit):
         raise ConfigurationError(f"{task.key}: {by:g} {unit} is too little to tell anything")
     return by
+
+
+def _least(unit: str) -> float:
+    """Return what a sensor can be held against, SI."""
+    return 0.1 * (_FORCE if unit == "N" else _LEAN)
 
 
 def _hand(channel: str, by: float, unit: str, text: str) -> Task:
@@ -134,7 +139,8 @@ def _hand(channel: str, by: float, unit: str, text: str) -> Task:
         world.plant.pull(channel, by)
         return f"{by:g} N" if unit == "N" else f"{degrees(by):g} deg"
 
-    return Task(f"sensors.{channel}", text, act)
+    form = reading(unit, "80 N" if unit == "N" else "5 deg", _least(unit))
+    return Task(f"sensors.{channel}", text, act, form)
 
 
 def _judge(names: Sequence[str], k: int, shown: tuple[float, ...], by: float) -> MeasuredValue:

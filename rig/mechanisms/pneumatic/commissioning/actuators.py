@@ -131,7 +131,8 @@ def _fill(site: Site, number: int, pressure: float) -> _Filled:
         chambers.set(chambers.alone(number, pressure))
         rises = chambers.rises()
         task = gauges(
-            f"actuators.{channels[number]}.{pressure / 1e3:.3g}",
+            f"actuators.{channels[number]}.",
+            pressure,
             f"Which gauge shows most ({', '.join(channels)}), and how much? e.g. agonist 8 kPa",
             channels,
         )

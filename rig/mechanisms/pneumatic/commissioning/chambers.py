@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 from rig.assembly import REGISTRY, Rig
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import whose_reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import Defect
@@ -356,12 +357,16 @@ def true_pressures(world: BreakableWorld, channels: Sequence[str]) -> dict[str, 
     return {channel: truth[names.index(f"pressure_{channel}")] for channel in channels}
 
 
-def gauges(key: str, text: str, channels: Sequence[str]) -> Task:
-    """Return the task to read the gauge of the chamber that shows most: ``agonist 8.1 kPa``."""
+def gauges(stem: str, pressure: float, text: str, channels: Sequence[str]) -> Task:
+    """Return the task to read the gauge of the chamber that shows most: ``agonist 8.1 kPa``.
+
+    Its key ends with the pressure that was asked for, which depends on the answers before.
+    """
 
     def look(world: BreakableWorld) -> str:
         shown = true_pressures(world, channels)
         most = max(shown, key=lambda channel: shown[channel])
         return f"{most} {shown[most] / 1e3:.2f} kPa"
 
-    return Task(key, text, look)
+    form = whose_reading(channels, "Pa", "8 kPa")
+    return Task(f"{stem}{pressure / 1e3:.3g}", text, look, form, stem)

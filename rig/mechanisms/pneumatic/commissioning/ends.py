@@ -6,6 +6,7 @@ from typing import Final
 
 from rig.assembly import REGISTRY
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import reading
 from rig.commissioning.hands import EndToEnd
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
@@ -87,6 +88,7 @@ def _gauge(site: Site, name: str, channel: str, span: float) -> tuple[Ends, floa
         f"Pull the rod of {channel} out as far as it goes, push it in as far as it goes, and put "
         "all back where it was; how far is it from end to end by the gauge? e.g. 60 mm",
         lambda world: f"{hand.nudge(world) * 1e3:.3f} mm",
+        reading("m", "60 mm"),
     )
     rig = site.make_rig(site.profile)
     with rig:

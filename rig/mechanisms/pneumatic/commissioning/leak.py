@@ -3,6 +3,7 @@
 from math import log
 from typing import Final, NamedTuple
 
+from rig.commissioning.forms import reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -103,6 +104,7 @@ def _gauge(channel: str, when: str) -> Task:
         f"leak.{channel}.{when}",
         f"What does the gauge of {channel} show, {when} the wait? e.g. 12.3 kPa",
         lambda world: f"{true_pressures(world, [channel])[channel] / 1e3:.3f} kPa",
+        reading("Pa", "12.3 kPa"),
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+from rig.commissioning.forms import one_of
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.steps.reactions import Energy, Reacting, put_back
@@ -84,4 +85,5 @@ def _at_zero(channels: tuple[str, ...]) -> Task:
         vented = max(true_pressures(world, channels).values()) < 0.5 * LEVELS_OF_LOOPS[0]
         return "yes" if vented else "no"
 
-    return Task("cable.gauges", "Do the gauges of all chambers show zero (yes, no)?", look)
+    text = "Do the gauges of all chambers show zero (yes, no)?"
+    return Task("cable.gauges", text, look, one_of("yes", "no"))

@@ -5,6 +5,7 @@ from typing import Final
 
 from rig.assembly import REGISTRY, Rig
 from rig.commissioning.bench import StepBench
+from rig.commissioning.forms import reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -83,7 +84,7 @@ def _pull(channel: str) -> Task:
         return f"{_PULL * 1e3:g} mm"
 
     text = f"Pull the rod of {channel} out by half a millimetre; how far is it by the gauge?"
-    return Task(f"sensors.{channel}", text, act)
+    return Task(f"sensors.{channel}", text, act, reading("m", "0.5 mm"))
 
 
 def _judge(name: str, channel: str, by: float, moved: dict[str, float]) -> MeasuredValue:

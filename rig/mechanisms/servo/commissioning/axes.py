@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 from rig.assembly import REGISTRY, Rig
 from rig.commissioning.bench import StepBench
 from rig.commissioning.derating import gentle
+from rig.commissioning.forms import whose_reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import require
@@ -210,6 +211,7 @@ class DialGauges:
             f"Which joint has turned most ({', '.join(names)}), and how far, positive as in its "
             "drawing? e.g. q1 0.35 deg; or none",
             self._read,
+            whose_reading(names, "rad", "0.35 deg", or_none=True),
         )
 
     def _zero(self, world: BreakableWorld) -> str:

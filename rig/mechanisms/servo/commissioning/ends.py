@@ -4,6 +4,7 @@ from functools import partial
 from math import degrees, radians
 from typing import Final
 
+from rig.commissioning.forms import one_of
 from rig.commissioning.hands import EndToEnd
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
@@ -72,6 +73,7 @@ def _turn(site: Site, axes: Axes, name: str, bounds: AxisBounds) -> tuple[Task, 
         f"Turn {name} by hand to both ends of its range and back, slower than "
         f"{degrees(bounds.speed):.0f} deg/s; is it done (yes, or {_HELD})?",
         partial(_nudge, hand),
+        one_of("yes", _HELD),
     )
     try:
         span = bounds.high - bounds.low

@@ -3,6 +3,7 @@
 from math import radians
 from typing import Final
 
+from rig.commissioning.forms import one_of
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import (
@@ -50,7 +51,8 @@ class HoldStill(AcceptanceStep):
                 )
                 raise Defect(fault.device, f"{said}; {what}") from fault
             held = axes.shown()
-            holding = Task("hold.still", "Do all joints stand still (yes, no)?", _still)
+            text = "Do all joints stand still (yes, no)?"
+            holding = Task("hold.still", text, _still, one_of("yes", "no"))
             site.operator.do(holding, site.world_of(axes.rig))
             axes.bench.run(site.glance(axes.rig))
         answer = site.operator.answer(holding).strip().lower()

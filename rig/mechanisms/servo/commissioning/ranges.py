@@ -4,6 +4,7 @@ from functools import partial
 from math import degrees, radians
 from typing import Final
 
+from rig.commissioning.forms import reading
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
@@ -80,4 +81,5 @@ def _read(name: str) -> Task:
         f"ranges.{name}",
         f"At what angle does {name} stand? e.g. 12.5 deg",
         partial(look, name=name),
+        reading("rad", "12.5 deg"),
     )
