@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.file_kinds import asks_of_experiment, experiment_of_same_name, is_experiment
+from rig.cli.files_here import ProfileOrExperiment
 from rig.cli.names import (
     complete_config,
     configs_option,
@@ -29,7 +30,10 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("source", metavar="PROFILE|EXPERIMENT", shell_complete=complete_config)
+@click.argument(
+    "source", metavar="PROFILE|EXPERIMENT", type=ProfileOrExperiment(),
+    shell_complete=complete_config,
+)  # fmt: skip
 @set_option
 @seed_option
 @rig_option

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.names import json_option, run_argument, runs_option
 from rig.cli.tables import Table, print_data, print_json, print_tables
 from rig.run_names import find_run
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("first", shell_complete=complete_run)
-@click.argument("second", shell_complete=complete_run)
+@run_argument("first")
+@run_argument("second")
 @runs_option
 @json_option
 def diff(first: str, second: str, runs: Path, as_json: bool) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import OneOf, complete_run, json_option, runs_beside_out_option
+from rig.cli.names import OneOf, json_option, run_argument, runs_beside_out_option
 from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
@@ -14,7 +14,7 @@ TORN = 1
 
 
 @click.command()
-@click.argument("run", shell_complete=complete_run)
+@run_argument("run")
 @click.option(
     "--format",
     "format",

@@ -22,7 +22,7 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     ConfigurationError
         Nothing is called so; with the nearest name.
     """
-    from rig.config.names import alone_in, is_path, list_files, nearest_of_all
+    from rig.config.names import hint_of_name, is_path, list_files
     from rig.hal import ConfigurationError
     from rig.hal.files import is_file
 
@@ -43,8 +43,8 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     if is_file(Path(f"{source}.yaml")):
         message = f"no rig or experiment is called {source!r}; did you mean the file {source}.yaml?"
         raise ConfigurationError(message)
-    alone = alone_in(source, "rigs", search) or alone_in(source, "experiments", search)
-    hint = alone or nearest_of_all(source, {**rigs, **experiments}) or "there are none"
+    known = {**rigs, **experiments}
+    hint = hint_of_name(source, ("rigs", "experiments"), search, known) or "there are none"
     raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")
 
 

@@ -6,18 +6,22 @@ Completion runs at every press of the tabulator: it lists folders and opens no f
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from rig.cli.files_here import RunName
 from rig.run_names import LATEST, RUNS, list_runs
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
     from rig.config.names import Folder
+
+
+Decorated = TypeVar("Decorated", bound=Callable[..., object])
 
 
 class OneOf(click.Choice[str]):
@@ -49,11 +53,13 @@ def complete_experiment(
 def _need(kind: Folder, ctx: click.Context, value: str | None) -> str:
     """Return a name; who gives none is told what there is of its kind."""
     if value is None:
+        from rig.cli.files_here import said_here
         from rig.config.names import find_configs, list_files
 
-        names = list_files(kind, find_configs(ctx.params.get("configs")))
+        search = find_configs(ctx.params.get("configs"))
+        names, here = list_files(kind, search), said_here([kind], search)
         raise click.UsageError(
-            f"Which {kind.upper().removesuffix('S')}? There are: {', '.join(names)}. "
+            f"Which {kind.upper().removesuffix('S')}? {here}There are: {', '.join(names)}. "
             f"`rig list {kind}` describes them; the path of a YAML file will do as well."
         )
     return value
@@ -92,6 +98,11 @@ def complete_run(
     except ConfigurationError:
         runs = []
     return _complete([LATEST, *runs], incomplete)
+
+
+def run_argument(name: str) -> Callable[[Decorated], Decorated]:
+    """Return the decorator of an argument that is a run; who gives none is told of the newest."""
+    return click.argument(name, type=RunName(), shell_complete=complete_run)
 
 
 def complete_device(

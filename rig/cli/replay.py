@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_beside_out_option, set_option
+from rig.cli.names import json_option, run_argument, runs_beside_out_option, set_option
 from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 from rig.run_names import find_run
 
@@ -18,7 +18,7 @@ DIFFERS = 1
 
 
 @click.command()
-@click.argument("run", shell_complete=complete_run)
+@run_argument("run")
 @click.option(
     "--verify", "verifies", is_flag=True,
     help="Compare every command with the log, bit for bit; the default without --controller.",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.names import complete_run, json_option, run_argument, runs_option
 from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 from rig.run_names import find_run
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("run", shell_complete=complete_run)
+@run_argument("run")
 @click.option("--beside", metavar="RUN", shell_complete=complete_run,
               help="Draw another run over it, and what is between them.")  # fmt: skip
 @click.option(

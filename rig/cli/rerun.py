@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import (
-    complete_run,
     json_option,
     out_beside_runs_option,
+    run_argument,
     runs_beside_out_option,
     uncommissioned_option,
     yes_option,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("run", shell_complete=complete_run)
+@run_argument("run")
 @runs_beside_out_option
 @out_beside_runs_option
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")

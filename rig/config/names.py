@@ -104,6 +104,46 @@ def alone_in(name: str, folder: Folder, search: Sequence[Path]) -> str | None:
     return f"{search[0]} alone is looked in, by --configs; without that it is {found}"
 
 
+def hint_of_name(
+    name: str, folders: Sequence[Folder], search: Sequence[Path], known: Iterable[str]
+) -> str | None:
+    """Return where a name may be that is none of those known here, or which one is like it.
+
+    Parameters
+    ----------
+    name : str
+        That no file in `search` has.
+    folders : sequence of str
+        ``"rigs"``, ``"experiments"`` or both.
+    search : sequence of Path
+        The configuration folders.
+    known : iterable of str
+        The names that there are.
+    """
+    for folder in folders:
+        if hint := alone_in(name, folder, search) or _elsewhere(name, folder):
+            return hint
+    hint = nearest_of_all(name, known)
+    if search and not is_folder(search[0]) and not (hint or "").startswith("did you mean"):
+        missing = f"names of your own are looked for in {search[0]}, which is not in {Path.cwd()}"
+        return f"{missing}; {hint}" if hint else missing
+    return hint
+
+
+def _elsewhere(name: str, folder: Folder) -> str | None:
+    """Return that a name is one of another working folder, above this one or just below it."""
+    here = Path.cwd()
+    try:
+        below = sorted(path.name for path in islice(here.iterdir(), _MOST_FILES) if path.is_dir())
+    except OSError:
+        below = []
+    for place in (*here.parents, *map(Path, below)):
+        path = place / "configs" / folder / f"{name}.yaml"
+        if is_file(path):
+            return f"{path} is looked for only where its configs is: cd {shlex.quote(str(place))}"
+    return None
+
+
 def is_path(source: str) -> bool:
     """Return whether a text means a file and not a name."""
     return "/" in source or source.endswith(SUFFIXES)
@@ -111,7 +151,7 @@ def is_path(source: str) -> bool:
 
 def nearest_file(path: Path) -> Path | None:
     """Return the configuration file beside a path whose name is most like its; None: none is."""
-    beside = _files_beside(path)
+    beside = files_beside(path)
     close = difflib.get_close_matches(path.name[:_LONGEST], beside, n=1)
     return beside[close[0]] if close else None
 
@@ -120,7 +160,7 @@ def nearest_of_all(name: str, names: Iterable[str]) -> str | None:
     """Return a hint as `nearest` does; a file here may be more like a wrong name than any name."""
     from rig.config.diagnostics import nearest  # slow to import, and needed for a wrong name only
 
-    here = _files_beside(Path(name))
+    here = files_beside(Path(name))
     files = {path.stem: path for path in here.values()} | here
     close = difflib.get_close_matches(name[:_LONGEST], [*names, *files], n=1)
     if close and close[0] in files:
@@ -128,7 +168,7 @@ def nearest_of_all(name: str, names: Iterable[str]) -> str | None:
     return nearest(name, names)
 
 
-def _files_beside(path: Path) -> dict[str, Path]:
+def files_beside(path: Path) -> dict[str, Path]:
     """Return the configuration files in a path's folder by their names, a thousand at most."""
     try:
         found = sorted(islice(path.parent.iterdir(), _MOST_FILES))
@@ -176,7 +216,7 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
         raise ConfigurationError(
             f"no {_SINGULAR[folder]} is called {source!r}; did you mean the file {beside}?"
         )
-    hint = alone_in(source, folder, search) or nearest_of_all(source, files)
+    hint = hint_of_name(source, (folder,), search, files)
     where = ", ".join(str(configs / folder) for configs in search) or "nowhere: no folder"
     raise ConfigurationError(
         f"no {_SINGULAR[folder]} is called {source!r}; " + (hint or f"looked in {where}")
