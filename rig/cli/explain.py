@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
+import shlex
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 _MOST = 12
 """More meanings of one word than this are counted, and told by their full names."""
 _WIDTH = 96
+_LEAST = 3
+"""Letters of a part of a word by which a package is known."""
 _GROUPS = ("reading", "estimate", "applied", "device", "truth")
 """Of the columns of logs."""
 
@@ -110,22 +113,51 @@ def _explain(
             f"neither a key nor a column of the newest run's log is called {word!r}; --rig PROFILE "
             "knows the columns of that rig, `rig export RUN --format csv` shows those of a run"
         )
-    raise ConfigurationError(f"nothing is called {word!r}; {_hint(word, configs)}")
+    raise ConfigurationError(f"nothing is called {word!r}; {_hint(word, configs, profile)}")
 
 
-def _hint(word: str, configs: Path | None) -> str:
-    """Return where a word may be known, or which one is like it."""
+def _hint(word: str, configs: Path | None, profile: Profile | None) -> str:
+    """Return where a word may be known, or which one is like it.
+
+    What is like a known word is a slip, unless a package that no profile has named is called so.
+    """
     from rig.assembly import REGISTRY
     from rig.config import find_configs
-    from rig.config.law_hint import hint_of_additions, profiles_with_law
+    from rig.config.law_hint import profiles_with_law
 
-    if profiles := profiles_with_law(word, find_configs(configs)):
-        return f"a profile has a law of that name: rig explain {word} --rig {profiles[0]}"
+    search = find_configs(configs)
+    profiles = () if profile is not None else profiles_with_law(word, search)
+    if profiles := profiles or (() if profile is not None else _files_with(word, search)):
+        what = f"{shlex.quote(word)} --rig {shlex.quote(profiles[0])}"
+        return f"a profile has a law or a driver of that name: rig explain {what}"
     near = difflib.get_close_matches(word, _names(), n=3)
-    hint = (
-        f"did you mean {' or '.join(near)}?" if near else "`rig explain --help` says what it knows"
-    )
-    return hint_of_additions(REGISTRY, hint) or hint
+    unnamed = () if profile is not None else REGISTRY.unnamed()
+    parts = [part for part in re.split(r"[-_.]", word.lower()) if len(part) >= _LEAST]
+    if near and not any(part in name.lower() for name in unnamed for part in parts):
+        return f"did you mean {' or '.join(near)}?"
+    if unnamed:
+        return (
+            f"what packages of others call so is told by: rig explain {shlex.quote(word)} --rig "
+            f"PROFILE; a profile's additions: [NAME] lets a package take part: {', '.join(unnamed)}"
+        )
+    return "`rig explain --help` says what it knows"
+
+
+def _files_with(word: str, search: Sequence[Path]) -> tuple[str, ...]:
+    """Return the profiles in the working folder with a law or a driver of a name; no code runs."""
+    from rig.cli.files_here import files_here
+    from rig.config.document import plain_under
+
+    found = []
+    for file in files_here(["rigs"], search):
+        laws, devices = (
+            plain_under(k, Path(file), "rigs", search) for k in ("controllers", "devices")
+        )
+        entries = devices.values() if isinstance(devices, dict) else ()
+        drivers = [entry.get("driver") for entry in entries if isinstance(entry, dict)]
+        if (isinstance(laws, dict) and word in laws) or word in drivers:
+            found.append(file)
+    return tuple(found)
 
 
 def _is_path_of_run(word: str) -> bool:

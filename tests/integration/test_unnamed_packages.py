@@ -174,3 +174,22 @@ def test_the_manifest_names_what_was_named_and_what_its_row_led_to(mark, capsys)
 def test_an_option_of_a_profile_names_too(mark, capsys):
     assert invoke(["check", "cylinder-step", "--set", "additions=[sly]"]) == 0
     assert mark.exists(), capsys.readouterr().err
+
+
+def test_a_word_of_an_own_package_is_asked_for_with_its_profile(mark, capsys):
+    Path("ours.yaml").write_text("extends: cylinder\ncontrollers: {sly-law: {}}\n")
+    assert invoke(["explain", "sly-law"]) == 2
+    assert "rig explain sly-law --rig ours.yaml\n" in capsys.readouterr().err
+    Path("ours.yaml").write_text("extends: cylinder\ndevices: {probe: {driver: sly-probe}}\n")
+    assert invoke(["explain", "sly-probe"]) == 2
+    assert "rig explain sly-probe --rig ours.yaml\n" in capsys.readouterr().err
+    assert invoke(["explain", "sly"]) == 2
+    assert "rig explain sly --rig PROFILE; " in capsys.readouterr().err
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize("slip", ["trackin_rms", "regulatrs", "controler"])
+def test_a_slip_is_not_told_of_packages(mark, capsys, slip):
+    assert invoke(["explain", slip]) == 2
+    said = capsys.readouterr().err
+    assert "did you mean" in said and "package" not in said
