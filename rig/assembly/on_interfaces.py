@@ -6,13 +6,15 @@ from typing import Any
 
 from rig.assembly.buses import is_can
 from rig.assembly.rig import Backend
-from rig.config import Profile
+from rig.config import BusEntry, Profile
 from rig.hal import ConfigurationError
 
 Interfaces = dict[str, dict[str, Any]]
 """Settings that replace a bus's own, by the bus's name."""
 
 _LAST_NUMBER = re.compile(r"(\d+)(?=\D*$)")
+_SHARED = ("socketcan", "udp_multicast")
+"""Interfaces that two programs of one host may open at once, and hear each other on."""
 _ON_THIS_HOST = ("udp_multicast",)
 """Interfaces that never leave the host; `drivers.can.interfaces` sees to it."""
 
@@ -81,7 +83,7 @@ def parse_interfaces(on: str, profile: Profile) -> Interfaces:
         named = dict(zip(buses, words, strict=True))
     if len(set(named.values())) != len(named):
         raise ConfigurationError(f"--on {on}: two buses on one interface")
-    return {bus: _settings(on, word) for bus, word in named.items()}
+    return {bus: _settings(on, word, profile.buses[bus]) for bus, word in named.items()}
 
 
 def _named(on: str, words: list[str], buses: list[str]) -> dict[str, str]:
@@ -107,19 +109,29 @@ def _split(word: str) -> tuple[str, str]:
     return (interface, channel) if colon else ("socketcan", word)
 
 
-def _settings(on: str, word: str) -> dict[str, Any]:
+def own_interfaces(profile: Profile) -> str | None:
+    """Return the interfaces of a profile's CAN buses as `parse_interfaces` takes them.
+
+    None: it has no CAN bus, or one on an adapter that a single program opens.
+    """
+    own = [entry.settings for entry in profile.buses.values() if is_can(entry)]
+    if any(its.interface not in _SHARED for its in own):
+        return None
+    words = [
+        its.channel if its.interface == "socketcan" else f"{its.interface}:{its.channel}"
+        for its in own
+    ]
+    return ",".join(words) or None
+
+
+def _settings(on: str, word: str, replaced: BusEntry) -> dict[str, Any]:
     interface, channel = _split(word)
     if not interface or not channel:
         raise ConfigurationError(
             f"--on {on}: an interface is CHANNEL or INTERFACE:CHANNEL, as in vcan0, "
             "socketcan:can0 or slcan:/dev/ttyACM0"
         )
-    # The profile's options belong to the interface that is replaced.
-    options: dict[str, Any] = {}
-    number = _LAST_NUMBER.search(channel)
-    if interface == "udp_multicast" and number is not None:
-        # Linux hands what comes for one group to whoever listens to another on the same port.
-        from drivers.can.multicast import FIRST_PORT
-
-        options["port"] = FIRST_PORT + int(number[1])
-    return {"interface": interface, "channel": channel, "options": options}
+    # The profile's options belong to the interface that is replaced; its own one keeps them.
+    own = replaced.settings
+    options = own.options if (interface, channel) == (own.interface, own.channel) else {}
+    return {"interface": interface, "channel": channel, "options": dict(options)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -59,12 +60,35 @@ def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
     if all(answer.found is None for answer in answers):
         return (
             "nobody answers: look at power, cable, termination and bit rate (ip -details link "
-            f"show); a simulated rig is started by: rig simulate {profile.argument} --on {on}"
+            f"show); a simulated rig is started by: {_simulated(profile, on)}"
         )
     if any(answer.found is not None and answer.found.answers > 1 for answer in answers):
         return "take one of the devices that share a number off the bus, and give it another"
     renumbered = say_renumbered(profile, answers)
     return renumbered or "look at node numbers and power, or correct the profile"
+
+
+def _simulated(profile: Profile, on: str) -> str:
+    """Return the command for a simulated rig that the same question finds."""
+    from rig.assembly.buses import is_can
+    from rig.assembly.on_interfaces import own_interfaces
+
+    command = f"rig simulate {profile.argument}"
+    if on != "hardware":
+        return f"{command} --on {shlex.quote(on)}"
+    lines = [name for name, entry in profile.buses.items() if not is_can(entry)]
+    can = [name for name, entry in profile.buses.items() if is_can(entry)]
+    after = [f"--set buses.{name}.port=PORT, which it prints" for name in lines]
+    if can:
+        own = own_interfaces(profile)
+        command += f" --on {shlex.quote(own or 'vcan0')}"
+        if own is None:  # its adapter is taken while another program has it
+            after.append("--on vcan0 in the place of --on hardware")
+        elif any(not word.startswith(("vcan", "udp_multicast:")) for word in own.split(",")):
+            # What an adapter sends alone nobody acknowledges, so it does not come back either.
+            command += " (on another computer of that bus, unless it is a vcan)"
+    with_what = f"; then look again with {' and '.join(after)}" if after else ""
+    return f"{command}{with_what}"
 
 
 def _as_data(answer: Answer) -> dict[str, object]:
