@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from itertools import accumulate, pairwise
 
 from rig.hal import Mechanism, Motion, Segment
 from rig.runtime.braking import Braking
@@ -20,11 +21,15 @@ AnyMechanism = Mechanism[object, object, object, object]
 def fastest(mechanism: type[AnyMechanism], motion: Motion[object]) -> list[tuple[float, float]]:
     """Return the stretches of a motion, s, in which it is fastest, in their order.
 
-    They do not overlap, and leave room for getting up to speed and for braking.
+    They do not overlap, and leave room for getting up to speed and for braking. By the way of their
+    first halves: what a jump does comes after it.
     """
     last = motion.duration - _LENGTH - _RAMP
     starts = [_RAMP + k * _GRID for k in range(max(int((last - _RAMP) / _GRID), 1))]
-    paces = {start: mechanism.pace_of(motion.at(start + 0.5 * _LENGTH)) for start in starts}
+    half = round(0.5 * _LENGTH / _GRID)
+    places = [motion.at(_RAMP + k * _GRID) for k in range(len(starts) + half)]
+    way = [0.0, *accumulate(mechanism.pace_between(*two, _GRID) for two in pairwise(places))]
+    paces = {start: way[k + half] - way[k] for k, start in enumerate(starts)}
     found: list[float] = []
     for start in sorted(starts, key=lambda start: -paces[start]):
         if all(abs(start - other) >= _LENGTH + 2.0 * _RAMP for other in found):

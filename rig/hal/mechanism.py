@@ -230,8 +230,11 @@ class Mechanism(
         return cls.approach(reference, reference, 1.0, 1.0)
 
     @classmethod
-    def pace_of(cls, reference: Reference) -> float:
-        """Return how fast a reference moves, by any measure: where it is great is looked first."""
+    def pace_between(cls, before: Reference, after: Reference, time: float) -> float:
+        """Return how fast a reference goes from one to another, in a time, s; by any measure.
+
+        Where it is great is looked first; a jump counts as what it is.
+        """
         return 0.0
 
     @classmethod

@@ -58,6 +58,14 @@ def test_what_a_check_foresees_is_what_a_run_ends_in_often(tmp_path, block):
         is_foreseen(tmp_path, drawn_sine(seed))
 
 
+@pytest.mark.parametrize("rise", ["", ", rise: 0.08 s"])
+def test_steps_of_a_long_motion_are_looked_at_where_they_are(rise):
+    """Their references hardly move: a jump has no speed."""
+    step = f"reference={{kind: step, size: 18 mm, dwell: 3 s, repeats: 4{rise}}}"
+    plan = load_plan("cylinder-step", (step, *BARE), rig="cylinder-valves", configs=CONFIGS)
+    assert isinstance(longest_freeze(plan), Unfollowed)
+
+
 def test_a_law_that_is_too_rough_only_between_stretches_of_a_long_motion_is_not_refused():
     plan = load_plan("cylinder-sine", ("controller=pid", *BARE), configs=CONFIGS)
     assert isinstance(longest_freeze(plan), Freeze)

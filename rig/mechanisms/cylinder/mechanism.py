@@ -211,9 +211,9 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         return PairReference(position, rate * velocity, slowed)
 
     @classmethod
-    def pace_of(cls, reference: PairReference) -> float:
+    def pace_between(cls, before: PairReference, after: PairReference, time: float) -> float:
         """Return the speed, m/s."""
-        return abs(reference.velocity)
+        return abs(after.position - before.position) / time
 
     @classmethod
     def targets(cls, settings: CylinderSettings, controller: object) -> PairTargets:

@@ -204,9 +204,9 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         )
 
     @classmethod
-    def pace_of(cls, reference: JointReference) -> float:
+    def pace_between(cls, before: JointReference, after: JointReference, time: float) -> float:
         """Return the speed of the ring's axis, rad/s."""
-        return math.hypot(*reference.velocity)
+        return math.dist(before.axis, after.axis) / time
 
     @classmethod
     def targets(cls, settings: JointSettings, controller: Any) -> PoseTargets:

@@ -216,7 +216,8 @@ def test_a_slowed_reference_is_the_same_way_at_another_pace(seed):
     speed = (way(step) - way(-step)) / (2.0 * step)
     bend = (way(step) - 2.0 * way(0.0) + way(-step)) / step**2
     assert slowed == pytest.approx((x, speed, bend), abs=1e-5)
-    assert AntagonisticPair.pace_of(slowed) == pytest.approx(abs(speed), abs=1e-6)
+    two = (PairReference(way(t), 0.0, 0.0) for t in (-step, step))
+    assert AntagonisticPair.pace_between(*two, 2.0 * step) == pytest.approx(abs(speed), abs=1e-6)
 
 
 # What others ask -------------------------------------------------------------------------------

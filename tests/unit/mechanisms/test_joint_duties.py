@@ -366,7 +366,9 @@ def test_a_slowed_reference_is_the_same_way_at_another_pace(seed):
     assert slowed.velocity == pytest.approx(speed, abs=1e-6)
     assert slowed.acceleration == pytest.approx((way(step) + way(-step)) / step**2, abs=1e-5)
     assert (slowed.axis, slowed.push) == (reference.axis, reference.push)
-    assert SphericalJoint.pace_of(slowed) == pytest.approx(np.linalg.norm(speed), abs=1e-6)
+    two = (UP._replace(axis=tuple(way(t))) for t in (-step, step))
+    pace = SphericalJoint.pace_between(*two, 2.0 * step)
+    assert pace == pytest.approx(np.linalg.norm(speed), abs=1e-6)
 
 
 # The log ---------------------------------------------------------------------------------------
