@@ -231,10 +231,7 @@ class Mechanism(
 
     @classmethod
     def pace_between(cls, before: Reference, after: Reference, time: float) -> float:
-        """Return how fast a reference goes from one to another, in a time, s; by any measure.
-
-        Where it is great is looked first; a jump counts as what it is.
-        """
+        """Return how fast one reference goes to another, by any measure: looked at first."""
         return 0.0
 
     @classmethod
