@@ -42,7 +42,7 @@ def test_a_calibration_is_written_here_and_found_again(here, capsys):
 def test_an_acceptance_record_is_kept_here(here, capsys, monkeypatch):
     places = []
 
-    def commission(site, record, steps, configs, say):
+    def commission(site, record, steps, configs, say, operator):
         places.append(configs)
         return "a step"
 
