@@ -69,11 +69,12 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     goes on from what it has kept among the runs.
     """
     from rig.calibration.store import check_writable
+    from rig.cli.judge_progress import JudgeProgress
     from rig.config.names import find_configs, say_where
     from rig.sweeping.errors import SweepStopped
     from rig.tuning.attempt import keep_attempt
     from rig.tuning.search import GainSearch
-    from rig.tuning.verdict import judge, objections, trades
+    from rig.tuning.verdict import in_short, judge, objections, plants_of, trades
     from rig.tuning.workbench import Request, Workbench
 
     configs = options["configs"]
@@ -99,8 +100,8 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     except KeyboardInterrupt:
         click.echo(f"interrupted; the same command goes on from {folder}", err=True)
         return 130
-    click.echo("on every plant of the ensemble, before and now …", err=True)
-    before, now = judge(bench, search.before), judge(bench, found.gains)
+    with JudgeProgress(2 * plants_of(bench, found.gains)) as shown:
+        before, now = (judge(bench, gains, shown.tell) for gains in (search.before, found.gains))
     against = objections(now, before, bench.unit)
     refused = bool(against) and not options["replace"]
     is_put = not refused and not options["dry_run"]
@@ -121,7 +122,9 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
             "folder": folder, "unit": bench.unit, "before": _as_data(before), "now": _as_data(now),
             "objections": against, "trades": traded, "file": file,
         })  # fmt: skip
+    short = f"in short: {in_short(now, before, bench.unit)}"
     if options["dry_run"]:
+        click.echo(f"{short}: a dry run, nothing was changed", err=True)
         return 0
     if refused:
         click.echo(
@@ -129,7 +132,9 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
             "--replace puts these in force all the same",
             err=True,
         )
+        click.echo(f"{short}: not put in force", err=True)
         return 1
+    click.echo(f"{short}: put in force", err=True)
     return 0
 
 

@@ -64,11 +64,19 @@ class SweepProgress:
         new = self.done - self._known
         rate = new / max(monotonic() - self._began, 1e-9)
         left = self.total - self.done
-        pace = f", {rate:.3g} points/s, {_duration(left / rate)} left" if new and left else ""
-        return (
-            f"{self.done}/{self.total} done, {self.failed} failed, {left} left, "
-            f"{running} running{pace}"
-        )
+        told = [f"{self.done}/{self.total} done", f"{self.failed} failed"]
+        if left:
+            told.append(f"{left} left")
+        if running:
+            told.append(f"{running} running")
+        if new and left:
+            told += [f"{rate:.3g} points/s", self.time_left()]
+        return ", ".join(told)
+
+    def time_left(self) -> str:
+        """Return for how long it goes on at its pace so far; empty: nobody knows."""
+        new, left = self.done - self._known, self.total - self.done
+        return f"{_duration(left * (monotonic() - self._began) / new)} left" if new else ""
 
     def say(self, text: str) -> None:
         """Say a sentence."""

@@ -1,7 +1,7 @@
 """What gains come to on the whole ensemble, on plants as fine as those that experiments run on."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ from rig.tuning.workbench import Workbench
 
 DRAWN = 200
 """Plants whose margins are looked at."""
+_AT_ONCE = 5
+"""Of them are measured before somebody is told."""
 _TOLD = 3
 """So many lost plants are told by name."""
 ENOUGH = 0.99
@@ -101,19 +103,60 @@ def _fate(trial: Trial) -> str:
     return f"{trial.strayed:.2g} times the error that stops the rig"
 
 
-def judge(bench: Workbench, gains: Mapping[str, float]) -> EnsembleVerdict:
+def _unheard(done: int) -> None:
+    """Leave out how many plants are done."""
+
+
+def plants_of(bench: Workbench, gains: Mapping[str, float]) -> int:
+    """Return on how many plants `judge` runs gains: a linear model is asked without any."""
+    drawn = 0 if bench.measured(gains, ()) is None else DRAWN
+    return len(bench.ensemble.corners()) + drawn
+
+
+def judge(
+    bench: Workbench, gains: Mapping[str, float], tell: Callable[[int], None] = _unheard
+) -> EnsembleVerdict:
     """Run gains on every corner of the ensemble, and look at the margins of drawn plants.
 
     Of those the few that may miss the bound cost nothing.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Of the request.
+    gains : mapping of str to float
+        The gains.
+    tell : callable
+        Is told how many plants more are done.
     """
     members = tuple(bench.ensemble.corners())
-    trials = tuple(bench.trial(gains, member, coarse=False) for member in members)
+    trials = []
+    for member in members:
+        trials.append(bench.trial(gains, member, coarse=False))
+        tell(1)
     drawn = bench.ensemble.draw(DRAWN)
-    measured = bench.measured(gains, drawn)
+    measured = _measured(bench, gains, drawn, tell)
     margins = measured or bench.margins(gains, [bench.ensemble.nominal, *drawn])[1:]
     far = sorted(margins, key=lambda margin: margin.sensitivity)[: math.ceil(ENOUGH * len(margins))]
     cost = score(trials, far).cost
-    return EnsembleVerdict(dict(gains), members, trials, tuple(margins), cost, bool(measured))
+    kept = tuple(trials), tuple(margins)
+    return EnsembleVerdict(dict(gains), members, *kept, cost, bool(measured))
+
+
+def _measured(
+    bench: Workbench, gains: Mapping[str, float], drawn: Sequence[Member],
+    tell: Callable[[int], None],
+) -> list[ClosedLoop]:  # fmt: skip
+    """Return the margins that are measured on drawn plants, a few at a time; empty: none are."""
+    found: list[ClosedLoop] = []
+    for first in range(0, len(drawn), _AT_ONCE):
+        few = drawn[first : first + _AT_ONCE]
+        measured = bench.measured(gains, few)
+        if measured is None:
+            break
+        found += measured
+        tell(len(few))
+    return found
 
 
 def objections(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence[str]:
@@ -223,3 +266,37 @@ def _compared(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[tuple[s
             (f"worst error, {name}", before.worst(name)[0], now.worst(name)[0]),
         ]  # fmt: skip
     return [row for row in rows if np.isfinite(row[1:]).all()]
+
+
+def in_short(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> str:
+    """Return in one line at what gains are better than those in force, and at what worse.
+
+    Parameters
+    ----------
+    now, before : EnsembleVerdict
+        The gains that were found, and those in force.
+    unit : str
+        Of motion in a hold, SI.
+    """
+    rows = [
+        (before.robust, now.robust,
+         f"margin ({100 * before.robust:.3g} to {100 * now.robust:.3g} % of drawn plants)", -1),
+        (len(before.lost), len(now.lost), f"lost plants {len(before.lost)} to {len(now.lost)}", 1),
+        (before.hunting, now.hunting, "hunting "
+         + " to ".join(format_quantity(v.hunting, unit) for v in (before, now)), 1),
+        (before.reversals, now.reversals,
+         f"reversals {before.reversals:.1f} to {now.reversals:.1f} a second", 1),
+    ]  # fmt: skip
+    better = [told for old, new, told, sign in rows if sign * (new - old) < 0.0]
+    worse = [told for old, new, told, sign in rows if sign * (new - old) > 0.0]
+    errors = [(old, new) for name, old, new in _compared(now, before) if "error" in name]
+    for found, count in (
+        (better, sum(new < old for old, new in errors)),
+        (worse, sum(new > old for old, new in errors)),
+    ):
+        if count:
+            found.append(f"{count} of {len(errors)} errors")
+    said = [f"better in {', '.join(better)}"] if better else []
+    said += [f"worse in {', '.join(worse)}"] if worse else []
+    cost = f"cost {before.cost:.3f} to {now.cost:.3f}"
+    return "; ".join([*said, cost]) if said else f"neither better nor worse; {cost}"

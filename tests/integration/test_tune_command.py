@@ -51,6 +51,11 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
     used = load_profile("cylinder", REGISTRY, (), [place / "configs"]).controllers["pid"]
     assert used.proportional == found["proportional"]
     assert "tuned for cylinder-step: other motions may need other gains" in said
+    assert "on every plant of the ensemble, before and now …" in said
+    assert re.search(r"^\d+/\d+ plants, \d+ \w+ left$", said, re.MULTILINE), said
+    assert ", 0 running" not in said and " 0 left" not in said
+    last = said.rstrip().splitlines()[-1]
+    assert last.startswith("in short: ") and last.endswith(": put in force"), last
     for word in ("error, step", "reversals", "drawn plants", "proportional"):
         assert word in table
     (figure,) = (place / "whole").glob("*/tuning.png")

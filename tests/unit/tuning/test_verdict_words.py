@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from rig.hal.bench import Trial
 from rig.tuning.ensemble import Member
-from rig.tuning.verdict import EnsembleVerdict, objections, trades
+from rig.tuning.verdict import EnsembleVerdict, in_short, objections, trades
 
 
 def verdict(*fates):
@@ -116,3 +116,13 @@ def test_gains_that_lack_margin_by_less_than_those_in_force_are_put_in_force_and
     assert said.startswith("bound missed: only 0.98 of 200 drawn plants")
     assert objections(now, with_margin(before, 196), "m")
     assert not objections(with_margin(now, 198), with_margin(before, 200), "m")
+
+
+def test_in_short_says_at_what_gains_are_better_and_at_what_worse():
+    before = with_margin(measured(1e-3, 1.2e-3, 2.8e-3, cost=1.1), 6)
+    now = with_margin(measured(0.5e-3, 1.3e-3, 2.0e-3, reversals=6.0, cost=0.3), 178)
+    assert in_short(now, before, "m") == (
+        "better in margin (3 to 89 % of drawn plants), hunting 1 mm to 0.5 mm, 1 of 2 errors; "
+        "worse in reversals 5.0 to 6.0 a second, 1 of 2 errors; cost 1.100 to 0.300"
+    )
+    assert in_short(before, before, "m") == "neither better nor worse; cost 1.100 to 1.100"
