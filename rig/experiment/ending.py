@@ -1,6 +1,7 @@
 """How a run ends, and what its folder says of it, whatever ended it."""
 
 import contextlib
+import re
 from types import TracebackType
 from typing import NamedTuple
 
@@ -13,6 +14,9 @@ from rig.runtime.stop import StopRequests
 
 EXIT_OK, EXIT_MISSED, EXIT_USAGE, EXIT_PREFLIGHT, EXIT_FAULT = 0, 1, 2, 3, 4
 EXIT_BUG, EXIT_INTERRUPTED = 70, 130
+
+_COMMAND = re.compile(r"(`rig \w+ )RIG\b")
+"""A command in a message of what knows no rig's name."""
 
 
 class Ending(NamedTuple):
@@ -41,6 +45,20 @@ class Ending(NamedTuple):
         if self.status in (RunStatus.OK, RunStatus.FAILED):
             return Ending(RunStatus.FAULTED, EXIT_FAULT, message)
         return self._replace(message=message)
+
+    def for_rig(self, argument: str) -> "Ending":
+        """Return the same ending with a rig's name in the commands that its message gives.
+
+        Alarms know no name, and say `rig calibrate RIG friction`: that is to be copied.
+
+        Parameters
+        ----------
+        argument : str
+            What names the rig on a command line.
+        """
+        if self.message is None:
+            return self
+        return self._replace(message=_COMMAND.sub(lambda of: f"{of[1]}{argument}", self.message))
 
 
 def ending_of(error: BaseException) -> Ending:

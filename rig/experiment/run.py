@@ -296,7 +296,8 @@ def _run(
         for kind, sentence, data in said:
             watcher.said(sentence)
             events(loop.t, kind, sentence, data)
-        return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
+        blame = partial(whose_value, rig, plan, loop.phases)
+        return _judge(outcome, loop.t, events, blame, plan.profile.argument)
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return _by_bug(error, None if loop is None else loop.t, events)
@@ -345,10 +346,11 @@ def _judge(
     t: float | None,
     events: "_Events",
     blame: Callable[[BaseException], str | None],
+    rig: str,
 ) -> Ending:
     fault = outcome.fault
     if fault is not None:
-        ending = fault_of(fault, t)
+        ending = fault_of(fault, t).for_rig(rig)
         if ending.bug is not None and (sentence := blame(fault)) is not None:
             ending = broken_contract(sentence)
         events(t, "fault", str(ending.message), {"type": type(fault).__name__})

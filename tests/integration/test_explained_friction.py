@@ -28,6 +28,9 @@ def test_a_pair_that_friction_holds_at_the_recommended_pressure(
     capsys.readouterr()
     assert invoke(["explain", "latest"]) == 0
     said = " ".join(capsys.readouterr().out.split())
+    message = said.partition("message: ")[2].partition("kind: ")[0]
+    assert "RIG" not in message
+    assert "rig calibrate" not in message or "`rig calibrate wide.yaml friction" in message
     mend = said.partition("mend: ")[2]
     assert "rig calibrate wide.yaml friction" in mend
     assert "a higher `base_pressure`" in mend

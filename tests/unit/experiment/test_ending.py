@@ -147,3 +147,14 @@ def test_books_of_a_run_that_goes_on_stay_open():
     with ClosedBooks(folder, stop):
         pass
     assert folder.calls == [] and not stop.shielded
+
+
+def test_a_command_of_a_message_is_given_the_name_of_its_rig():
+    told = "it sticks: `rig calibrate RIG friction` measures that, then `rig tune RIG`; no RIG else"
+    ending = Ending(RunStatus.FAULTED, 4, told).for_rig("'our lab.yaml'")
+    assert ending == Ending(
+        RunStatus.FAULTED, 4,
+        "it sticks: `rig calibrate 'our lab.yaml' friction` measures that, then "
+        "`rig tune 'our lab.yaml'`; no RIG else",
+    )  # fmt: skip
+    assert Ending(RunStatus.OK, 0).for_rig("ours") == Ending(RunStatus.OK, 0)

@@ -175,7 +175,7 @@ def test_it_names_the_chamber_that_pulls_less_and_by_how_much():
         assert said == (
             f"regulators: the chamber of {name} leaks behind its tube, or its monitor is off, or "
             "the ring is pushed or held, or has more friction than the profile says "
-            "(`rig calibrate` friction measures it): 24 N are not those of the pressures"
+            "(`rig calibrate RIG friction` measures it): 24 N are not those of the pressures"
         )
     assert told(balance(), 300e3, 300e3, 300e3, 300e3).explain() is None
 

@@ -28,7 +28,7 @@ def test_what_does_not_come_back_though_it_is_pulled_has_less_air_than_its_monit
     assert stays(against, off) == (
         f"regulators: the chamber of {back} leaks behind its tube, or its monitor is off, or the "
         "carriage is pushed or held, or has more friction than the profile says "
-        "(`rig calibrate` friction measures it): it stays off though 10 N pull it back"
+        "(`rig calibrate RIG friction` measures it): it stays off though 10 N pull it back"
     )
     assert stays(math.copysign(10.0 - 1e-9, -off), off) is None  # its seals may hold that
     assert stays(math.copysign(10.0, -off), off) is None  # and just that

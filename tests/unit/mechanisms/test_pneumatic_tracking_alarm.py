@@ -82,7 +82,7 @@ def test_a_rod_that_stands_and_jumps_is_said_to_stick(seed):
     # A cosine goes 30 um at its ends in a small part of its way.
     assert float(said[2]) == pytest.approx(100.0 * (1.0 - slips), abs=15.0)
     assert "regulators are slower" in str(found[1])
-    assert "`rig calibrate` measures friction and response" in str(found[1])
+    assert "`rig calibrate RIG friction response` measures both" in str(found[1])
 
 
 @pytest.mark.parametrize("seed", range(4))

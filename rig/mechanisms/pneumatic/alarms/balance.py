@@ -28,7 +28,7 @@ _LEAST_FRICTION, _MOST_FRICTION = 0.8, 1.6
 """Seals take so much of the profile's friction at least while they slide, and hold so much at
 most. E: with 0.6, as `rig tune` has it, a chamber that empties in mid-motion is not told."""
 _STUCK: Final = (
-    ", or has more friction than the profile says (`rig calibrate` friction measures it)"
+    ", or has more friction than the profile says (`rig calibrate RIG friction` measures it)"
 )
 """What holds a pair that stands, beside air and hands."""
 _STEP: Final = 20e-6

@@ -31,7 +31,7 @@ _ONE_STEP = 0.6
 
 _STICKS = (
     "it sticks, with more friction than the profile says, or is held: "
-    "`rig calibrate` friction measures that"
+    "`rig calibrate RIG friction` measures that"
 )
 
 
@@ -357,11 +357,11 @@ class TrackingWatch:
                 f"{self._names[k]} sticks and slips at {frequency:.1f} Hz, {size:.2g} mm peak to "
                 f"peak, about its reference, and stands for {100.0 * rests.share:.0f} % of the "
                 "time: its friction is more than the profile says, its regulators are slower, or "
-                "its gains bear neither; `rig calibrate` measures friction and response, then "
-                "`rig tune` looks for gains"
+                "its gains bear neither; `rig calibrate RIG friction response` measures both, then "
+                "`rig tune RIG` looks for gains"
             )
         return (
             f"{self._names[k]} oscillates at {frequency:.1f} Hz, {size:.2g} mm peak to peak, about "
             "its reference: the gains are too high for this rig's regulators and friction; "
-            "`rig calibrate` tells their response and dead time"
+            "`rig calibrate RIG response` tells their response and dead time"
         )
