@@ -21,9 +21,12 @@ if TYPE_CHECKING:
     from rig.faults.kind import FaultKind, Place
     from rig.faults.quiet import QuietRun
     from rig.faults.subject import Subject
+    from rig.faults.table import Row
     from rig.faults.verdict import Verdict
 
 CAMPAIGNS = Path("faults")
+_FEW = 12
+"""So many cases are shown one by one, with what the rig said."""
 RIGS = ("cylinder", "joint", "arm", "arm-odrive", "legs", "legs-can")
 FULL = 6
 """How often each fault is drawn on each rig with ``--full``."""
@@ -218,14 +221,25 @@ def run(
     if as_json:
         print_json([verdict.as_json() for verdict in verdicts])
     else:
-        from rig.faults.table import HEADER
-
-        print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
+        print_tables(_tables(rows, verdicts))
     if left := say_uncounted(verdict.case for verdict in verdicts):
         click.echo(left, err=True)
     click.echo(f"{page}", err=True)
     codes = {verdict.exit_code for verdict in verdicts}
     return min(codes - {0}, default=0)
+
+
+def _tables(rows: Sequence[Row], verdicts: Sequence[Verdict]) -> list[Table]:
+    """Return the campaign without the columns that say nothing, and a few cases one by one."""
+    from rig.faults.table import CASE_HEADER, HEADER, case_cells, used_columns
+
+    used, empty = used_columns(rows)
+    cells = [tuple(row.cells()[k] for k in used) for row in rows]
+    none = f" (none: {', '.join(empty)})" if empty else ""
+    tables = [Table(f"faults{none}", tuple(HEADER[k] for k in used), cells)]
+    if len(verdicts) <= _FEW:
+        tables.append(Table("cases", CASE_HEADER, [case_cells(one) for one in verdicts]))
+    return tables
 
 
 def _is_file(name: str) -> bool:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rig.faults.table import HEADER, PASSES, SUM, Row
+from rig.faults.table import HEADER, SUM, Row, used_columns
 from rig.faults.uncounted import say_uncounted
 from rig.faults.verdict import Verdict
 from rig.report.markup import NOTHING, Html, element, join, page, section, table
@@ -26,8 +26,7 @@ def _table(rows: Sequence[Row]) -> Html:
     cells = [row.cells() for row in sums_first]
     styles = ["fail" if any(row.wrongs) else "" for row in sums_first]
     told = "A phase shows its cases, and after an exclamation mark those that went wrong."
-    used = [k for k, name in enumerate(HEADER) if name in PASSES or any(row[k] for row in cells)]
-    empty = [name for k, name in enumerate(HEADER) if k not in used]
+    used, empty = used_columns(rows)
     none = f" None: {', '.join(empty)}." if empty else ""
     head = [_breakable(HEADER[k]) for k in used]
     body = [[_breakable(row[k]) for k in used] for row in cells]

@@ -78,6 +78,28 @@ HEADER = (
 )  # fmt: skip
 
 
+CASE_HEADER = ("fault", "rig", "where", "when", "came to", "ms", "what the rig said")
+
+
+def used_columns(rows: Sequence[Row]) -> tuple[list[int], list[str]]:
+    """Return the columns of `HEADER` that say something, and the names of the others."""
+    cells = [row.cells() for row in rows]
+    used = [k for k, name in enumerate(HEADER) if name in PASSES or any(row[k] for row in cells)]
+    return used, [name for k, name in enumerate(HEADER) if k not in used]
+
+
+def case_cells(verdict: Verdict) -> tuple[str, ...]:
+    """Return one case as text: what broke, and what the rig said of it."""
+    case, ending = verdict.case, verdict.ending
+    reaction = "" if ending.reaction is None else f"{1e3 * ending.reaction:.3g}"
+    where = " + ".join(item.where for item in case.breaks)
+    said = ending.message or "nothing"
+    return (
+        " + ".join(case.kinds), case.rig, where, str(case.moment), str(verdict.outcome), reaction,
+        said,
+    )  # fmt: skip
+
+
 def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
     """Return the table's rows, in the order in which faults first came, and their sums."""
     groups: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
