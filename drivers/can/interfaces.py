@@ -6,7 +6,7 @@ from typing import Any, Protocol, cast
 
 from drivers.can.fast_path import AdaptedBus
 from drivers.can.interface_names import interface_trouble, is_serial
-from drivers.can.multicast import MulticastBus
+from drivers.can.multicast import FIRST_PORT, MulticastBus
 from drivers.can.socketcan import open_socketcan
 from drivers.terminal import check_terminal
 from rig.hal import CanBus, ConnectionFailed, FastCanBus
@@ -64,8 +64,7 @@ def open_bus(settings: InterfaceSettings) -> FastCanBus:
         return open_socketcan(settings.channel, settings.bitrate)
     try:
         if settings.interface == "udp_multicast":
-            port = settings.options.get("port")
-            return MulticastBus(settings.channel, None if port is None else int(port))
+            return MulticastBus(settings.channel, int(settings.options.get("port", FIRST_PORT)))
         import can
 
         if is_serial(settings.interface):

@@ -18,7 +18,7 @@ from drivers.can.frame import EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDAR
 from rig.hal import FastCanBus
 
 FIRST_PORT: Final = 43113
-"""python-can's own; each group has the one that is its last number further."""
+"""python-can's own, and so a profile's; see `port_of`."""
 _LAST_NUMBER: Final = re.compile(r"(\d+)(?=\D*$)")
 _IP_MULTICAST_ALL: Final = 49  # linux/in.h: what others joined is not handed over
 _IPV6_MULTICAST_ALL: Final = 29
@@ -28,7 +28,7 @@ _SENDERS: Final = 64
 
 
 def port_of(group: str) -> int:
-    """Return the UDP port of a group, whoever opens it: a profile, or an option.
+    """Return the UDP port of a group that a command names: its last number beyond the first one.
 
     Linux hands what comes for one group to whoever listens to another on the same port.
 
@@ -52,8 +52,8 @@ class MulticastBus(FastCanBus):
     ----------
     group : str
         Its address, IPv4 or IPv6.
-    port : int, optional
-        Default: see `port_of`.
+    port : int
+        Linux hands what comes for one group to whoever listens to another on the same port.
 
     Raises
     ------

@@ -133,5 +133,11 @@ def _settings(on: str, word: str, replaced: BusEntry) -> dict[str, Any]:
         )
     # The profile's options belong to the interface that is replaced; its own one keeps them.
     own = replaced.settings
-    options = own.options if (interface, channel) == (own.interface, own.channel) else {}
-    return {"interface": interface, "channel": channel, "options": dict(options)}
+    options: dict[str, Any] = {}
+    if (interface, channel) == (own.interface, own.channel):
+        options = dict(own.options)
+    elif interface == "udp_multicast":
+        from drivers.can.multicast import port_of
+
+        options["port"] = port_of(channel)
+    return {"interface": interface, "channel": channel, "options": options}
