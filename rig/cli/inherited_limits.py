@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rig.config.models import Settings
 
-SIZES = ("bore", "rod", "stroke", "home")
+SIZES = ("bore", "rod", "stroke")
 """Dimensions of a cylinder on which a limit may rest."""
 
 _FORCES = ("pair_force", "tension")
@@ -39,7 +39,7 @@ def limits_that_rest_on(settings: Settings, others: set[str]) -> Iterator[tuple[
             yield f"limits.{name}", told
     stroke, home = number_at(settings, "stroke"), number_at(settings, "home")
     position = getattr(limits, _POSITION, None)
-    if not others & {"stroke", "home"} or stroke is None or home is None:
+    if "stroke" not in others or stroke is None or home is None:
         return
     if isinstance(position, tuple) and len(position) == 2:
         permitted = " … ".join(format_quantity(end, "m") for end in position)

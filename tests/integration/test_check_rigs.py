@@ -109,7 +109,8 @@ def bored(folder, *lines):
 
 def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys):
     rig = bored(tmp_path, "  base_pressure: 50 kPa")
-    [sentence] = warnings_of(capsys, rig)
+    sentence, limits = warnings_of(capsys, rig)
+    assert limits.startswith("limits.pair_force: from ")
     assert "friction, moving_mass and the gains of pid, pid-friction, cascade: from " in sentence
     assert "cylinder.yaml, where cylinder.bore is 16 mm (20 mm here)" in sentence
     assert f"Next: rig calibrate {rig} --all, then rig tune {rig}" in sentence
@@ -120,6 +121,7 @@ def test_what_a_rig_says_itself_is_not_its_parents(tmp_path, capsys):
         "  base_pressure: 50 kPa",
         "  moving_mass: 0.14 kg",
         "  friction: {coulomb: 9 N, breakaway: 9 N, stribeck_velocity: 8 mm/s, viscous: 50}",
+        "  limits: {pair_force: 90 N}",
     ]
     rig = bored(tmp_path, *own)
     [sentence] = warnings_of(capsys, rig)
