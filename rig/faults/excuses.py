@@ -21,6 +21,7 @@ _TOPPLING_PUSH = 0.3
 margin that a step may have."""
 _OVERPOWERING = 10.0
 """N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
+_OTHER = {"left": "right", "right": "left"}
 _HOLDS = 50e3
 """Pa gauge: what is in a chamber that pulls more than its seals hold."""
 TUBE = 1.5e-8
@@ -52,17 +53,24 @@ def lets_fall(plight: Plight) -> frozenset[str]:
 def drops_a_leg(plight: Plight) -> frozenset[str]:
     """Forgive a fall where the leg that bears the weight has a joint without torque.
 
-    On both feet the other leg holds, until the waist is over the ankle of the one that lets go.
+    On both feet the other leg holds, until the waist is over the ankle of the one that lets go,
+    or unless a joint of its own has no torque by an earlier fault.
     """
     leg = plight.place.axis.partition("_")[0]
     loads = {name for name, load in plight.truth.items() if name.startswith("load_") and load > 0.0}
-    is_over = _way_to(leg, plight.truth) >= 1.0
+    is_over = _way_to(leg, plight.truth) >= 1.0 or _is_limp(_OTHER.get(leg, ""), plight.truth)
     return frozenset({"fall", "rate"}) if is_over or loads == {f"load_{leg}"} else frozenset()
+
+
+def _is_limp(leg: str, truth: Mapping[str, float]) -> bool:
+    """Return whether some joints of a leg have no torque; without any at all nobody stood on it."""
+    powered = [value for name, value in truth.items() if name.startswith(f"powered_{leg}_")]
+    return 0.0 in powered and any(powered)
 
 
 def _way_to(leg: str, truth: Mapping[str, float]) -> float:
     """Return how far the waist is over to a leg: 0 over the other one's ankle, 1 over its own."""
-    other = {"left": "right", "right": "left"}.get(leg)
+    other = _OTHER.get(leg)
     if f"{leg}_foot_y" not in truth:
         return 0.0
     here, there, waist = (

@@ -58,6 +58,25 @@ def test_a_leg_that_bears_alone_folds_without_torque_and_not_beside_the_other(ki
     assert row.excuses(case._replace(truth={"position": 0.0})) == frozenset()
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_on_both_feet_nothing_holds_if_each_leg_has_a_joint_without_torque(seed):
+    chance = random.Random(f"both {seed}")
+    row, case = plight(chance, chance.choice(["safe_torque_off", "drive_fault"]), bears=True)
+    leg = case.place.axis.partition("_")[0]
+    other = {"left": "right", "right": "left"}[leg]
+    joints = ("hip_pitch", "knee", "ankle_pitch", "ankle_roll")
+    lost = chance.choice(joints)
+    stands = {f"load_{side}": chance.uniform(5.0, 60.0) for side in (leg, other)}
+    stands |= {f"powered_{side}_{joint}": 1.0 for side in (leg, other) for joint in joints}
+    for more, forgiven in (
+        ({}, set()),
+        ({f"powered_{leg}_{lost}": 0.0}, set()),
+        ({f"powered_{other}_{lost}": 0.0}, {"fall", "rate"}),
+        ({f"powered_{other}_{joint}": 0.0 for joint in joints}, set()),  # released before
+    ):
+        assert row.excuses(case._replace(truth={**stands, **more})) == forgiven
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_over_the_ankle_that_lets_go_both_feet_hold_nothing(seed):
     chance = random.Random(seed)
