@@ -92,11 +92,11 @@ def test_check_tells_people_what_happens_if_the_program_dies(capsys):
 
 
 def test_check_says_which_device_acts_too_late(capsys):
-    late = ("buses.can0.heartbeat=90 ms", "buses.can0.heartbeat_timeout=190 ms")
+    late = ("buses.can0.heartbeat=85 ms", "buses.can0.heartbeat_timeout=185 ms")
     sets = [part for option in late for part in ("--set", option)]
     code, out, err = run(capsys, "check", "cylinder-sine", "--configs", CONFIGS, *sets)
     assert code == 0
-    assert "0.19 s (regulators), which is too late: refused on hardware" in out
+    assert "0.185 s (regulators), which is too late: refused on hardware" in out
     assert "trying on the plant" in err
 
 
