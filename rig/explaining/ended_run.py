@@ -212,7 +212,8 @@ def _messages(folder: Path, kind: str) -> Iterator[str]:
 
 def _given(command: Sequence[str]) -> Iterator[Remark]:
     """Yield what the command of a run set otherwise than its files do: look there first."""
-    settings = [after for word, after in pairwise(command) if word == "--set"]
+    given = [after for word, after in pairwise(command) if word == "--set"]
+    settings = [one for one in given if not one.startswith("simulation.faults")]  # told as injected
     if settings:
         yield Remark(
             "set", f"otherwise than the files by this run's command: {'; '.join(settings)}"
