@@ -9,7 +9,6 @@ References
 python-can, ``can.interfaces.udp_multicast``: a frame is a msgpack map.
 """
 
-import re
 import socket
 from collections.abc import Mapping
 from typing import Final
@@ -18,27 +17,12 @@ from drivers.can.frame import EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDAR
 from rig.hal import FastCanBus
 
 FIRST_PORT: Final = 43113
-"""python-can's own, and so a profile's; see `port_of`."""
-_LAST_NUMBER: Final = re.compile(r"(\d+)(?=\D*$)")
+"""python-can's own; buses of one program count on from it."""
 _IP_MULTICAST_ALL: Final = 49  # linux/in.h: what others joined is not handed over
 _IPV6_MULTICAST_ALL: Final = 29
 _MOST: Final = 4096  # bytes of a datagram
 _SENDERS: Final = 64
 """Addresses that are remembered as this host's or not."""
-
-
-def port_of(group: str) -> int:
-    """Return the UDP port of a group that a command names: its last number beyond the first one.
-
-    Linux hands what comes for one group to whoever listens to another on the same port.
-
-    Parameters
-    ----------
-    group : str
-        Its address.
-    """
-    number = _LAST_NUMBER.search(group)
-    return FIRST_PORT + (0 if number is None else int(number[1]))
 
 
 class MulticastBus(FastCanBus):
@@ -63,10 +47,9 @@ class MulticastBus(FastCanBus):
         msgpack is not installed.
     """
 
-    def __init__(self, group: str, port: int | None = None) -> None:
+    def __init__(self, group: str, port: int = FIRST_PORT) -> None:
         import msgpack
 
-        port = port_of(group) if port is None else port
         self._pack, self._unpack = msgpack.packb, msgpack.unpackb
         self._is_local: dict[str, bool] = {}
         self._dropped = 0

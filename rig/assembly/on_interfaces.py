@@ -136,8 +136,9 @@ def _settings(on: str, word: str, replaced: BusEntry) -> dict[str, Any]:
     options: dict[str, Any] = {}
     if (interface, channel) == (own.interface, own.channel):
         options = dict(own.options)
-    elif interface == "udp_multicast":
-        from drivers.can.multicast import port_of
+    elif interface == "udp_multicast" and (number := _LAST_NUMBER.search(channel)) is not None:
+        # Linux hands what comes for one group to whoever listens to another on the same port.
+        from drivers.can.multicast import FIRST_PORT
 
-        options["port"] = port_of(channel)
+        options["port"] = FIRST_PORT + int(number[1])
     return {"interface": interface, "channel": channel, "options": options}

@@ -129,9 +129,9 @@ def explain_run(folder: Path) -> list[Remark]:
         again = f"`rig report {folder.name}` draws what there is; the same command runs it anew."
         return [*said, Remark("means", means), Remark("next", again)]
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
+    is_plain = _HELD_BACK.search(told[0]) is not None  # and no guess
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:
-        told.reverse()
-    told.sort(key=lambda sentence: not _HELD_BACK.search(sentence))  # plain to see, and no guess
+        told = told if is_plain else told[::-1]
     told = [*_messages(folder, _FELL), *told]  # before it fell there was no other fault
     told[:0] = ["may not be safe"] if unsafe else []
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))

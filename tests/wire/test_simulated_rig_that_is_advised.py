@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from drivers.can.multicast import FIRST_PORT, port_of
+from drivers.can.multicast import FIRST_PORT
 from rig.assembly import REGISTRY, parse_interfaces
 from rig.assembly.on_interfaces import own_interfaces
 from rig.assembly.survey import compare, expected_on
@@ -75,13 +75,12 @@ def test_a_profiles_own_group_meets_the_simulation_that_is_advised(
 
 
 def test_the_port_is_the_groups_unless_the_profile_names_the_group_with_another():
-    assert port_of("239.74.163.2") == FIRST_PORT + 2
-    assert port_of("ff15:7079::6173") == FIRST_PORT + 6173
     own = on_bus("udp_multicast", "239.74.163.9, options: {port: 43177}")
-    other = {"port": FIRST_PORT + 8}
-    for on, options in (("239.74.163.9", {"port": 43177}), ("239.74.163.8", other)):
+    ports = {"239.74.163.9": 43177, "239.74.163.8": FIRST_PORT + 8}
+    ports["ff15:7079::6173"] = FIRST_PORT + 6173
+    for on, port in ports.items():
         found = parse_interfaces(f"udp_multicast:{on}", profile_of("cylinder", own))
-        assert found["can0"]["options"] == options
+        assert found["can0"]["options"] == {"port": port}
 
 
 @pytest.mark.parametrize(

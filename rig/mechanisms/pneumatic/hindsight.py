@@ -8,6 +8,7 @@ import numpy as np
 from rig.hal.hindsight import Suspect
 from rig.mechanisms.pneumatic.diagnosis.causes import Explanation
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond, Signals, gather
+from rig.mechanisms.pneumatic.diagnosis.forces import FRICTION, PULL
 from rig.mechanisms.pneumatic.diagnosis.held_back import held_back
 from rig.mechanisms.pneumatic.diagnosis.ranking import likeliest, rank
 from rig.mechanisms.pneumatic.diagnosis.words import suspect_of
@@ -50,5 +51,8 @@ def suspects(
     evidence = gather(Signals(*(signal[known] for signal in signals)), channels, pairs, settings)
     if evidence is None:
         return ()
-    fitted = (suspect_of(trial, evidence) for trial in likeliest(rank(evidence, others(evidence))))
-    return (*held_back(evidence), *fitted)
+    fitted = [suspect_of(trial, evidence) for trial in likeliest(rank(evidence, others(evidence)))]
+    # What is broken brings a law to its limits, too; that it pulls in vain looks like friction.
+    broken = [suspect for suspect in fitted if suspect.cause not in (FRICTION, PULL)]
+    vain = [suspect for suspect in fitted if suspect not in broken]
+    return (*broken, *held_back(evidence), *vain)

@@ -1,11 +1,14 @@
 """Setpoints that a limit of the profile held back before the end: nothing need be broken then."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rig.hal.hindsight import Suspect
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 CAUSE: Final = "held_back"
 _NEAR: Final = 0.01
@@ -40,7 +43,7 @@ def held_back(evidence: LastSecond) -> list[Suspect]:
     return found
 
 
-def _lasts(t: "np.ndarray[tuple[int], np.dtype[np.float64]]", stood: "np.ndarray") -> float:
+def _lasts(t: "NDArray[np.float64]", stood: "NDArray[np.bool_]") -> float:
     """Return for how long something stood, until shortly before the end, s; 0: it did not."""
     at = np.flatnonzero(stood)
     if not len(at) or t[-1] - t[at[-1]] > _LATE:
