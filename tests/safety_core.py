@@ -59,6 +59,7 @@ SAFETY_CORE = {
     "rig/mechanisms/pneumatic/alarms/tracking.py": (
         "mechanisms/test_pneumatic_straying.py",
         "mechanisms/test_pneumatic_tracking_alarm.py",
+        "mechanisms/test_pneumatic_sticking.py",
         "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),

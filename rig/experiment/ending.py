@@ -2,11 +2,13 @@
 
 import contextlib
 import re
+from collections.abc import Iterable
 from types import TracebackType
 from typing import NamedTuple
 
 from rig.assembly.contract_check import said, whose_bug
 from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
+from rig.hal.hindsight import HUNTS, STICKS
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.recorder import RecorderError
@@ -46,10 +48,17 @@ class Ending(NamedTuple):
             return Ending(RunStatus.FAULTED, EXIT_FAULT, message)
         return self._replace(message=message)
 
+    def after_swings(self, kinds: Iterable[str]) -> "Ending":
+        """Return the ending of a run of whose log was said what the kinds of remarks are.
+
+        No run ends well that has swung, even if it has no bound to miss.
+        """
+        if self.status is RunStatus.OK and not {HUNTS, STICKS}.isdisjoint(kinds):
+            return Ending(RunStatus.FAILED, EXIT_MISSED)
+        return self
+
     def for_rig(self, argument: str) -> "Ending":
         """Return the same ending with a rig's name in the commands that its message gives.
-
-        Alarms know no name, and say `rig calibrate RIG friction`: that is to be copied.
 
         Parameters
         ----------
@@ -58,7 +67,22 @@ class Ending(NamedTuple):
         """
         if self.message is None:
             return self
-        return self._replace(message=_COMMAND.sub(lambda of: f"{of[1]}{argument}", self.message))
+        return self._replace(message=say_for_rig(self.message, argument))
+
+
+def say_for_rig(message: str, argument: str) -> str:
+    """Return a message with a rig's name in the commands that it gives.
+
+    Alarms know no name, and say `rig calibrate RIG friction`: that is to be copied.
+
+    Parameters
+    ----------
+    message : str
+        Of a fault, or a remark.
+    argument : str
+        What names the rig on a command line.
+    """
+    return _COMMAND.sub(lambda of: f"{of[1]}{argument}", message)
 
 
 def ending_of(error: BaseException) -> Ending:

@@ -24,6 +24,7 @@ from rig.experiment.ending import (
     broken_contract,
     bug_of,
     fault_of,
+    say_for_rig,
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
@@ -293,11 +294,13 @@ def _run(
                 events(t, "injected", sentence, data)
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
-        for kind, sentence, data in said:
+        for kind, about, data in said:
+            sentence = say_for_rig(about, plan.profile.argument)
             watcher.said(sentence)
             events(loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
-        return _judge(outcome, loop.t, events, blame, plan.profile.argument)
+        ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
+        return ending.after_swings(kind for kind, _, _ in said)
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return _by_bug(error, None if loop is None else loop.t, events)

@@ -11,6 +11,10 @@ if TYPE_CHECKING:
 
     Logged = Callable[[str], NDArray[np.float64]]
 
+HUNTS, STICKS = "hunts", "sticks"
+"""Kinds of remarks: it swings about a reference that rests; it sticks and slips. No run of which
+that is said has ended well."""
+
 Settings = TypeVar("Settings", contravariant=True)
 
 
@@ -64,5 +68,9 @@ class Hindsight(Protocol[Settings]):
         return ()
 
     def remarks(self, logged: "Logged") -> tuple[Note, ...]:
-        """Return what else a log tells that somebody should know, however the run has ended."""
+        """Return what else a log tells that somebody should know, however the run has ended.
+
+        A run that ended well counts as one that missed a bound after a remark of the kind `HUNTS`
+        or `STICKS`.
+        """
         return ()

@@ -108,8 +108,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._pressure = regulators.pressure
         self._max_difference = limits.pair_force / settings.area
         self._force_hits = 0
-        self._extensions = (settings.home, settings.home)
-        self._position = self._now = 0.0
+        self._extensions, self._position, self._now = (settings.home, settings.home), 0.0, 0.0
         self._tracking = TrackingWatch(
             ("the pair",), limits.following, settings.alarms.oscillation, settings.start
         )
@@ -287,10 +286,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         return pair_suspects(logged, self.settings)
 
     def remarks(self, logged: "Logged") -> tuple[Note, ...]:
-        """Return that the pair never came to rest, if so; see `Mechanism.remarks`."""
+        """Return that the pair never rests, or sticks and slips; see `Mechanism.remarks`."""
         from rig.mechanisms.pneumatic.hunting import remarks_on_hunting
 
-        return remarks_on_hunting(logged, {"the pair": ("reference.position", "reading.position")})
+        columns = "reference.position", "reading.position"
+        return (*remarks_on_hunting(logged, {"the pair": columns}), *self._tracking.remarks())
 
     def resting_command(self, state: PairState) -> PairCommand:
         """Return the measured pressures, within the permitted range."""

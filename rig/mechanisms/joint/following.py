@@ -28,6 +28,7 @@ class RodsFollow:
         )
         self._unpushed = UnpushedWatch(min(limits.following, self._sway))
         self.suspicion = self._tracking.suspicion
+        self.remarks = self._tracking.remarks
 
     def restart(self) -> None:
         """Forget the past: nothing was controlled."""

@@ -283,10 +283,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         return joint_suspects(logged, self.settings)
 
     def remarks(self, logged: "Logged") -> tuple[Note, ...]:
-        """Return which rods never rest, and a camera's wrong latency; see `Mechanism.remarks`."""
+        """Return what never rests, or sticks, and a camera's latency; see `Mechanism.remarks`."""
         from rig.mechanisms.joint.hindsight import joint_remarks
 
-        return joint_remarks(logged, self._camera)
+        return (*joint_remarks(logged, self._camera), *self._follow.remarks())
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""

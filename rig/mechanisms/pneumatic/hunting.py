@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rig.experiment.measure import PHASE_RUN
+from rig.hal.hindsight import HUNTS
 from rig.hal.motion import Note
 from rig.mechanisms.pneumatic.alarms.tracking import Turns
 
@@ -75,7 +76,7 @@ def remarks_on_hunting(logged: "Logged", rods: Mapping[str, tuple[str, str]]) ->
             lasting = sum(hunt.end - hunt.start for hunt in hunts)
             notes.append(
                 Note(
-                    "hunts",
+                    HUNTS,
                     f"{name} hunts about a reference that rests, for {lasting:.2g} s in all: at "
                     f"{worst.frequency:.1f} Hz by {1e3 * worst.size:.2g} mm peak to peak from "
                     f"{worst.start:.1f} s on: its gains do not bear this rig's "

@@ -58,33 +58,6 @@ def test_a_lasting_swing_is_named_with_its_frequency_and_size(seed):
     assert t < (6.0 / 2.0 + 1.2) / frequency
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_a_rod_that_stands_and_jumps_is_said_to_stick(seed):
-    drawn = np.random.default_rng(200 + seed)
-    frequency = float(drawn.uniform(0.6, 6.0))
-    size, rest = float(drawn.uniform(1.8e-3, 4e-3)), float(drawn.uniform(-5e-3, 5e-3))
-    slips = float(drawn.uniform(0.1, 0.35))  # share of a half period
-    noise = drawn.normal(0.0, 2e-6, 20_000)
-
-    def error(t):
-        halves, part = divmod(2.0 * frequency * t, 1.0)
-        gone = 0.5 * (1.0 - math.cos(math.pi * min(part / slips, 1.0)))
-        return (-1.0) ** halves * size * (gone - 0.5) + float(noise[int(t / PERIOD)])
-
-    found = run(lambda t: rest, error, 15.0)
-    assert found is not None
-    said = re.search(
-        r"the pair sticks and slips at ([\d.]+) Hz, .* stands for (\d+) % of the time: its fric",
-        str(found[1]),
-    )
-    assert said is not None, str(found[1])
-    assert float(said[1]) == pytest.approx(frequency, rel=0.1, abs=0.06)
-    # A cosine goes 30 um at its ends in a small part of its way.
-    assert float(said[2]) == pytest.approx(100.0 * (1.0 - slips), abs=15.0)
-    assert "regulators are slower" in str(found[1])
-    assert "`rig calibrate RIG friction response` measures both" in str(found[1])
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_a_swing_just_below_the_amplitude_never_counts(seed):
     drawn = np.random.default_rng(100 + seed)

@@ -90,6 +90,9 @@ class OscillationAlarm:
     amplitude : float
         Swings of the error from one extreme to the next that count, m, peak to peak. In the shipped
         experiments none is of 1.5 mm; sines of 1 Hz, which friction hardly damps, swing by 2 mm.
+    sticking : float
+        What sticks and slips may swing by so many times that: a rod that stands for most of the
+        time does not run away, however badly it follows. The run counts as one that missed a bound.
     swings : int
         So many in a row that do not die away are an oscillation. They are counted anew where the
         reference turns round, as friction makes a rod swing there.
@@ -100,6 +103,7 @@ class OscillationAlarm:
     """
 
     amplitude: Annotated[float, Unit("m"), Gt(0)] = 3e-3
+    sticking: Annotated[float, Interval(ge=1.0, le=100.0)] = 2.0
     swings: Annotated[int, Ge(3), Le(100)] = 6
     slowest: Annotated[float, Unit("s"), Interval(ge=0.01, le=60.0)] = 1.0
     lost: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.3

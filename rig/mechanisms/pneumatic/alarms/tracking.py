@@ -11,6 +11,8 @@ from itertools import pairwise
 from typing import Self
 
 from rig.hal import LimitExceeded, SafetyError
+from rig.hal.hindsight import STICKS
+from rig.hal.motion import Note
 from rig.mechanisms.pneumatic.alarms.rests import RodRests
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 
@@ -99,6 +101,9 @@ class Turns:
 class _Swings:
     """The swings of one rod about its reference since that last turned round."""
 
+    wild: bool
+    """Whether the last swing counts by itself."""
+
     def __init__(self, alarm: OscillationAlarm, following: float) -> None:
         self._slowest = alarm.slowest
         self._enough = alarm.swings
@@ -132,9 +137,10 @@ class _Swings:
             if size < _KEPT * last or now - then > self._slowest:
                 turned.clear()
             self.size = size
-        wild = turned and self._is_wild(turned[-1][0], extreme)
+        self.wild = bool(turned) and self._is_wild(turned[-1][0], extreme)
         turned.append((extreme, now))
-        return self.frequency(1 if wild else self._enough, now)
+        del turned[: -self._enough - 1]  # what sticks and slips goes on
+        return self.frequency(1 if self.wild else self._enough, now)
 
     def _is_wild(self, before: float, extreme: float) -> bool:
         """Return whether one swing leads beyond `following` on both sides and does not die away."""
@@ -189,6 +195,9 @@ class TrackingWatch:
         self._names, self._start = tuple(names), start
         self._following = following
         self._alarm = alarm
+        self._most_sticking = alarm.sticking * alarm.amplitude
+        self._stuck = 0.0, ""
+        """The widest swing of one that sticks and slips without a fault, m, and what it was."""
         self.restart()
 
     def restart(self) -> None:
@@ -246,12 +255,21 @@ class TrackingWatch:
             else:
                 self._check_far(k, error, measured[k], now, followed, held, driven)
             frequency = swings.update(goal, error, now)
-            if frequency is not None:
+            if frequency is None:
+                continue
+            if swings.wild or swings.size > self._most_sticking or not rests.sticks:
                 raise SafetyError(
                     f"{self._say_why(k, frequency, now)} [{self._alarm.swings} swings of more than "
                     f"{self._alarm.amplitude * 1e3:g} mm, or one of {following * 1e3:g} mm to "
                     "either side]"
                 )
+            if swings.size > self._stuck[0]:
+                self._stuck = swings.size, self._say(k, frequency)
+
+    def remarks(self) -> tuple[Note, ...]:
+        """Return what has stuck and slipped worst, by less than is a fault, if anything has."""
+        _, sentence = self._stuck
+        return (Note(STICKS, sentence),) if sentence else ()
 
     def _check_far(
         self,
