@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from pressure_bench import DEVIATION, NEVER, START, STEP, Bench
+from scipy import signal
 
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.settings import RegulatorModel
@@ -34,7 +35,7 @@ def test_what_strays_is_beside_the_setpoint_and_every_answer_to_it(seed, way):
     rng = np.random.default_rng([seed, int(way > 0)])
     bench = Bench(RegulatorModel(dead_time=3 * STEP), deviation=NEVER, stray=30e3, unasked=STEP)
     channel = bench.watch._channels[2]
-    parts = ("expected", "prompt", "slow")
+    parts = ("expected", "prompt", "slow", "quick")
     for part in parts:
         setattr(channel, part, START + rng.uniform(-50e3, 50e3))
     channel.usual = rng.uniform(-5e3, 5e3)
@@ -51,6 +52,7 @@ def test_what_strays_is_beside_the_setpoint_and_every_answer_to_it(seed, way):
 def test_at_its_bound_it_does_not_stray(way):
     channel = Bench().watch._channels[0]
     channel.expected, channel.prompt, channel.slow = START, START, START + way * 20e3
+    channel.quick = START
     setpoint = START + way * 50e3
     assert channel.strays(setpoint + way * 30e3, setpoint, 30e3) is False
     assert channel.strays(START - way * 30e3, setpoint, 30e3) is False
@@ -78,3 +80,28 @@ def test_who_has_been_off_beyond_its_own_time_for_longest_is_named():
     bench.pass_by(2, ch2=60e3)
     with pytest.raises(SafetyError, match=r"\[ch4: .* for 0\.00195 s\]"):
         bench.pass_by(3, ch2=60e3, ch4=60e3)
+
+
+def quick_answer(setpoints, bandwidth, damping):
+    """Return what a regulator makes of setpoints, Pa, one a step, from rest at the first."""
+    plant = [bandwidth**2], [1.0, 2.0 * damping * bandwidth, bandwidth**2]
+    way = np.asarray(setpoints) - setpoints[0]
+    _, answer, _ = signal.lsim(plant, way, STEP * np.arange(len(way)), interp=False)
+    return setpoints[0] + answer
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_regulators_up_to_twice_as_quick_do_not_stray(seed):
+    """A setpoint that was there for a moment only takes them farther than those of the profile."""
+    rng = np.random.default_rng((51, seed))
+    model = RegulatorModel(bandwidth=rng.uniform(30.0, 60.0), dead_time=8 * STEP)
+    bench = Bench(model, deviation=NEVER, stray=33e3, unasked=2 * STEP)
+    wanted = np.repeat(rng.uniform(60e3, 260e3, 60), rng.integers(4, 40, 60))
+    wanted[:20] = START
+    quick = quick_answer(wanted, rng.uniform(1.0, 2.0) * model.bandwidth, model.damping)
+    late = np.concatenate((np.full(8, START), quick))[: len(wanted)]
+    for setpoint, pressure in zip(wanted, late, strict=True):
+        bench.watch.send((setpoint, START, START, START))
+        bench.pass_by(1, ch1=pressure - START)
+    with pytest.raises(SafetyError, match=r"\[ch1: "):
+        bench.pass_by(3, ch1=300e3)

@@ -15,24 +15,25 @@ class ChannelAnswers:
     """A healthy regulator's pressure for the setpoints that were sent, and when it was met.
 
     Of two: one answers after the dead time, the other, prompt, at once; what is between them is
-    well. Beside them a regulator with half of the bandwidth, and how alike the deviations are.
+    well. Beside them a regulator with half of the bandwidth, how alike the deviations are, and one
+    with twice the bandwidth, which goes where none of the others does.
     """
 
     __slots__ = (
         "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "near_at", "off",
-        "power", "prompt", "prompt_rate", "quick_at", "rate", "slow", "slow_rate", "usual",
-        "well_at",
+        "power", "prompt", "prompt_rate", "quick", "quick_at", "quick_rate", "rate", "slow",
+        "slow_rate", "usual", "well_at",
     )  # fmt: skip
 
     def __init__(self, pressure: float, now: float) -> None:
-        self.expected = self.prompt = self.slow = self.held = pressure
-        self.rate = self.prompt_rate = self.slow_rate = 0.0
+        self.expected = self.prompt = self.slow = self.quick = self.held = pressure
+        self.rate = self.prompt_rate = self.slow_rate = self.quick_rate = 0.0
         self.off = self.mean = self.usual = self.jump = 0.0
         self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
         self.well_at = self.quick_at = self.near_at = now
 
     def answer(self, acting: float, latest: float, step: float, pull: float, drag: float) -> None:
-        """Let the healthy and the slow regulators go on by a step, s.
+        """Let the healthy, the slow and the quick regulators go on by a step, s.
 
         Parameters
         ----------
@@ -49,6 +50,9 @@ class ChannelAnswers:
         brake = 1.0 / (1.0 + 0.5 * drag)
         self.slow_rate = (self.slow_rate + 0.25 * pull * (acting - self.slow)) * brake
         self.slow += step * self.slow_rate
+        brake = 1.0 / (1.0 + 2.0 * drag)
+        self.quick_rate = (self.quick_rate + 4.0 * pull * (acting - self.quick)) * brake
+        self.quick += step * self.quick_rate
 
     def take(self, pressure: float) -> None:
         """Note how far a pressure is off the healthy ones, Pa: 0 between them."""
@@ -58,13 +62,14 @@ class ChannelAnswers:
     def strays(self, pressure: float, setpoint: float, most: float) -> bool:
         """Return whether a pressure is more than `most`, Pa, beside all that a late answer passes.
 
-        Every answer is on its way from where it was to the setpoint: the slow one is the last.
+        Every answer is on its way from where it was to the setpoint: the slow one is the last, and
+        the quick one the farthest after a setpoint that was there for a moment only.
         """
-        late, prompt, slow = self.expected, self.prompt, self.slow
+        late, prompt, slow, quick = self.expected, self.prompt, self.slow, self.quick
         pressure -= self.usual
         if -most <= pressure - late <= most:  # most of the time, and cheap
             return False
-        way = (late, prompt, slow, setpoint)
+        way = (late, prompt, slow, quick, setpoint)
         return not min(way) - most <= pressure <= max(way) + most
 
     def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
