@@ -2,13 +2,11 @@
 
 import contextlib
 import re
-from collections.abc import Iterable
 from types import TracebackType
 from typing import NamedTuple
 
 from rig.assembly.contract_check import said, whose_bug
 from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
-from rig.hal.hindsight import HUNTS, STICKS
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.recorder import RecorderError
@@ -34,12 +32,16 @@ class Ending(NamedTuple):
         What ended it early.
     bug : BaseException or None
         What is raised once the books are closed, for its traceback.
+    swung : bool
+        Whether its log shows that something hunts, or sticks and slips: no such run ends well, even
+        if it has no bound to miss.
     """
 
     status: RunStatus
     code: int
     message: str | None = None
     bug: BaseException | None = None
+    swung: bool = False
 
     def losing(self, trouble: str) -> "Ending":
         """Return the ending of a run part of whose results cannot be kept."""
@@ -48,12 +50,9 @@ class Ending(NamedTuple):
             return Ending(RunStatus.FAULTED, EXIT_FAULT, message)
         return self._replace(message=message)
 
-    def after_swings(self, kinds: Iterable[str]) -> "Ending":
-        """Return the ending of a run of whose log was said what the kinds of remarks are.
-
-        No run ends well that has swung, even if it has no bound to miss.
-        """
-        if self.status is RunStatus.OK and not {HUNTS, STICKS}.isdisjoint(kinds):
+    def judged(self, *, passed: bool) -> "Ending":
+        """Return the ending of a run of which is known whether its metrics keep their bounds."""
+        if self.status is RunStatus.OK and (self.swung or not passed):
             return Ending(RunStatus.FAILED, EXIT_MISSED)
         return self
 
@@ -162,7 +161,7 @@ class ClosedBooks:
         if error is None:
             return
         self._stop.shield()
-        status, code, message, _ = ending_of(error)
+        status, code, message, *_ = ending_of(error)
         with contextlib.suppress(RigError):  # the disk may be what failed
             self._folder.record_event(None, "fault", str(message), type=type(error).__name__)
         with contextlib.suppress(RigError):

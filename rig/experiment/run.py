@@ -16,7 +16,6 @@ from rig.config.records import sentences_of_records
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
-    EXIT_MISSED,
     EXIT_OK,
     EXIT_PREFLIGHT,
     ClosedBooks,
@@ -41,6 +40,7 @@ from rig.experiment.results import write_results
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import RigError
+from rig.hal.hindsight import HUNTS, STICKS
 from rig.report.ready import ReadyReporter
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
@@ -195,8 +195,7 @@ def run_experiment(
                     _Events(folder)(None, "measure", str(error), {})
                 if backend.is_simulated and stopwatch.facts:
                     watcher.said(str(stopwatch))
-                if ending.status is RunStatus.OK and not all_passed(metrics):
-                    ending = Ending(RunStatus.FAILED, EXIT_MISSED)
+                ending = ending.judged(passed=all_passed(metrics))
                 if ending.bug is not None:
                     keep_traceback(folder.path, ending.bug)
                 _close(folder, ending, counts, watcher)
@@ -300,7 +299,7 @@ def _run(
             events(loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
         ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
-        return ending.after_swings(kind for kind, _, _ in said)
+        return ending._replace(swung=any(kind in (HUNTS, STICKS) for kind, _, _ in said))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return _by_bug(error, None if loop is None else loop.t, events)

@@ -74,9 +74,9 @@ def test_a_fault_of_the_loop(fault, t, status, code, message):
 def test_a_bug_of_another_package_is_the_users_to_mend(monkeypatch):
     monkeypatch.setattr(module, "whose_bug", lambda error: "stranger")
     error = ValueError("x")
-    assert bug_of(error) == (RunStatus.CRASHED, 2, "stranger: ValueError: x", error)
+    assert bug_of(error)[:4] == (RunStatus.CRASHED, 2, "stranger: ValueError: x", error)
     told = (RunStatus.CRASHED, 2, "stranger at 1.500 s of the log: ValueError: x", error)
-    assert bug_of(error, 1.5) == fault_of(error, 1.5) == told
+    assert bug_of(error, 1.5)[:4] == fault_of(error, 1.5)[:4] == told
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt("x"), SystemExit("x")])
@@ -86,7 +86,7 @@ def test_another_package_does_not_end_the_program(monkeypatch, error):
         raise error
     except BaseException as raised:
         traceback = raised.__traceback__
-    status, code, message, bug = ending_of(error)
+    status, code, message, bug, *_ = ending_of(error)
     assert (status, code) == (RunStatus.CRASHED, 2)
     assert message == f"stranger: {type(error).__name__}: x"
     assert str(bug) == f"stranger wants to end the program: {type(error).__name__}: x"
@@ -95,7 +95,7 @@ def test_another_package_does_not_end_the_program(monkeypatch, error):
 
 
 def test_a_broken_contract_of_the_loop_is_the_users_to_mend():
-    status, code, message, bug = fault_of(ContractBroken("no number"), 1.5)
+    status, code, message, bug, *_ = fault_of(ContractBroken("no number"), 1.5)
     assert (status, code, message) == (RunStatus.CRASHED, 2, "no number")
     assert isinstance(bug, ContractBroken)
     assert str(bug) == "no number"
@@ -158,3 +158,15 @@ def test_a_command_of_a_message_is_given_the_name_of_its_rig():
         "`rig tune 'our lab.yaml'`; no RIG else",
     )  # fmt: skip
     assert Ending(RunStatus.OK, 0).for_rig("ours") == Ending(RunStatus.OK, 0)
+
+
+@pytest.mark.parametrize("status", list(RunStatus))
+@pytest.mark.parametrize("passed", [False, True])
+@pytest.mark.parametrize("swung", [False, True])
+def test_a_run_ends_well_that_kept_its_bounds_and_did_not_swing(status, passed, swung):
+    ended = Ending(status, 7, "so", swung=swung)
+    judged = ended.judged(passed=passed)
+    if status is RunStatus.OK and (swung or not passed):
+        assert judged[:3] == (RunStatus.FAILED, 1, None)
+    else:
+        assert judged is ended
