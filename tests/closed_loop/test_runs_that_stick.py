@@ -14,7 +14,7 @@ UNITS = {
     "cylinder-friction": (
         676733,
         "setpoint_gain: 0.002297, setpoint_offset: 985.6, monitor_gain: 0.003937, "
-        "monitor_offset: 684.5, encoder_scale: 1.112e-4, encoder_offset: 1.403e-05, "
+        "monitor_offset: 684.5, encoder_scale: 1.117e-4, encoder_offset: 1.403e-05, "
         "wire_offset: 9.782e-06, friction: 0.2814, stribeck: 0.08374, joint_zero: 7.345e-4, "
         "joint_scale: 4.327e-4",
     ),
