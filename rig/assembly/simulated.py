@@ -67,6 +67,13 @@ def _bounds(profile: Profile) -> dict[str, float]:
     return dataclasses.asdict(profile.simulation.perturbation)
 
 
+def friction_drawn(profile: Profile) -> float:
+    """Return the share of its friction that a simulated unit has besides, by its perturbation."""
+    from drivers.sim.perturbation import draw
+
+    return draw(_bounds(profile), profile.simulation.seed).friction
+
+
 def _truth_columns(plant: Any) -> tuple[Column, ...]:
     return tuple(
         Column(f"truth.{name}", unit, true_meaning(name, unit))

@@ -281,9 +281,10 @@ def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -
         for name in (*dict.fromkeys(run.rig for run in runs), "all"):
             own = [ending for ending in endings if name in (ending.run.rig, "all")]
             spent = sum(ending.duration for ending in own) / HOUR
-            trips = sum(ending.is_trip for ending in own)
-            rows.append((name, str(len(own)), f"{spent:.3g}", str(trips)))
-        print_tables([Table("quiet", ("rig", "runs", "hours", "false trips"), rows)])
+            trips, right = sum(e.is_trip for e in own), sum(e.is_right for e in own)
+            rows.append((name, str(len(own)), f"{spent:.3g}", str(trips), str(right)))
+        head = ("rig", "runs", "hours", "false trips", "stopped for their friction")
+        print_tables([Table("quiet", head, rows)])
     kept = folder / "quiet.json"
     write_json(kept, {"runs": [ending.as_json() for ending in endings]})
     click.echo(f"{kept}", err=True)

@@ -5,6 +5,7 @@ profile by drawn bounds, as one does some time after it was calibrated.
 """
 
 import random
+import re
 import shlex
 import shutil
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.assembly import Backend, Rig
+from rig.assembly.simulated import friction_drawn
 from rig.experiment.ending import ending_of
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
@@ -30,6 +32,10 @@ BOUNDS: Final = {
 }  # fmt: skip
 """Widest bounds of `simulation.perturbation`, SI: more than a calibration leaves, and friction that
 has changed since. The alarms of the joint do not hold for one that was never calibrated."""
+GROWN: Final = 0.2
+"""Share by which a unit's friction is more than its profile says, so that it may be stopped for it
+under that name. `rig calibrate RIG friction` leaves 0.15 open."""
+_FRICTION = re.compile("sticks and slips at|it sticks, with more friction")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,22 +82,32 @@ class QuietEnding(NamedTuple):
         Its exit code; None if its process died.
     message : str
         What stopped it.
+    friction : float
+        The share of the friction that the unit was drawn to have besides.
     """
 
     run: QuietRun
     duration: float
     code: int | None
     message: str
+    friction: float = 0.0
+
+    @property
+    def is_right(self) -> bool:
+        """Whether it was stopped for friction that has grown, and says so."""
+        is_stopped = self.code not in (OK, MISSED)
+        return is_stopped and self.friction > GROWN and _FRICTION.search(self.message) is not None
 
     @property
     def is_trip(self) -> bool:
         """Whether it was stopped although nothing was broken."""
-        return self.code not in (OK, MISSED)
+        return self.code not in (OK, MISSED) and not self.is_right
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data."""
         return self._asdict() | {
-            "run": asdict(self.run), "trip": self.is_trip, "again": self.run.command,
+            "run": asdict(self.run), "trip": self.is_trip, "right": self.is_right,
+            "again": self.run.command,
         }  # fmt: skip
 
 
@@ -161,17 +177,18 @@ class _Stopwatch(Watcher):
 
 
 def _run(run: QuietRun, out: Path) -> QuietEnding:
-    watch = _Stopwatch()
+    watch, friction = _Stopwatch(), 0.0
     try:
         configs = Path(run.configs) if run.configs else None
         plan = load_plan(run.experiment, run.options, rig=run.rig, configs=configs)
+        friction = friction_drawn(plan.profile)
         result = run_experiment(plan, run.on, out, watcher=watch, report=False)
         code, message = result.exit_code, result.message
     except Exception as error:  # a bug of ours stops a rig as well
         ending = ending_of(error)
         code, message = ending.code, ending.message
     duration = 0.0 if watch.rig is None else watch.rig.clock.now()
-    ended = QuietEnding(run, duration, code, message or "")
+    ended = QuietEnding(run, duration, code, message or "", friction)
     if not ended.is_trip:
         shutil.rmtree(out, ignore_errors=True)
     return ended
