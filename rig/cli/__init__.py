@@ -33,7 +33,7 @@ _WIDE_ENOUGH = 80  # columns; the lines above are broken for no less, and click 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code.
 
-    Exit codes: 0 ok, 1 an acceptance bound missed, 2 usage or configuration, 3 device or
+    Exit codes: 0 ok, 1 a bound missed or something swung, 2 usage or configuration, 3 device or
     preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted. What
     would be 0 is 2 if the output cannot be written.
     """

@@ -27,10 +27,8 @@ from rig.cli.patience import told_if_long
 from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
+    from rig.cli.compared_runs import Ended
     from rig.hal.closed_loop import ClosedLoop
-
-_ENDINGS = {"failed": "bound missed"}
-"""Of a run's status, where it would not say by itself what came of it."""
 
 
 @click.command()
@@ -130,7 +128,7 @@ def compare(
             "refused": refused,
         }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
-        endings = {label: _ENDINGS.get(r.status, r.status) for label, r in results.items()}
+        endings = {label: _ending(result) for label, result in results.items()}
         endings |= dict.fromkeys(refused, "refused")
         if not interrupted:
             absent = {label: endings[label] for label in (*broken, *refused)}
@@ -147,6 +145,13 @@ def compare(
         return INTERRUPTED
     # A bound that one of them misses is a finding of the comparison, not its failure.
     return max((result.exit_code for result in results.values() if result.exit_code > 1), default=0)
+
+
+def _ending(result: "Ended") -> str:
+    """Return a run's status, or what came of it where that would not say it."""
+    if result.status != "failed":
+        return result.status
+    return "bound missed" if result.message is None else "swings"
 
 
 def _say_missed(runs: Mapping[str, Path]) -> None:

@@ -249,7 +249,9 @@ def show(result: Result) -> None:
     from rig.hal.formats import format_against
     from rig.run_facts import LOG, REPORT, RunStatus
 
-    if result.message is not None:
+    # What swung was told when the log was looked back at.
+    is_told = result.message is None or result.status is RunStatus.FAILED
+    if not is_told:
         click.echo(f"{result.status}: {result.message}", err=True)
     if result.status is RunStatus.FAULTED:
         from rig.explaining.fault_time import fault_time
@@ -273,7 +275,7 @@ def show(result: Result) -> None:
         print_data("\n".join(lines))
     report = result.path / REPORT
     made = report if report.exists() else result.path / LOG
-    verdict = "" if result.message is not None else f"{result.status}: "
+    verdict = f"{result.status}: " if is_told else ""
     click.echo(f"{verdict}{made}", err=True)
     if result.status in (RunStatus.FAULTED, RunStatus.FAILED):
         click.echo(f"what it means, and what to check: rig explain {result.path}", err=True)

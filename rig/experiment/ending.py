@@ -32,16 +32,16 @@ class Ending(NamedTuple):
         What ended it early.
     bug : BaseException or None
         What is raised once the books are closed, for its traceback.
-    swung : bool
-        Whether its log shows that something hunts, or sticks and slips: no such run ends well, even
-        if it has no bound to miss.
+    swung : str
+        What its log shows to hunt, or to stick and slip: no such run ends well, even if it has no
+        bound to miss.
     """
 
     status: RunStatus
     code: int
     message: str | None = None
     bug: BaseException | None = None
-    swung: bool = False
+    swung: str = ""
 
     def losing(self, trouble: str) -> "Ending":
         """Return the ending of a run part of whose results cannot be kept."""
@@ -53,7 +53,7 @@ class Ending(NamedTuple):
     def judged(self, *, passed: bool) -> "Ending":
         """Return the ending of a run of which is known whether its metrics keep their bounds."""
         if self.status is RunStatus.OK and (self.swung or not passed):
-            return Ending(RunStatus.FAILED, EXIT_MISSED)
+            return Ending(RunStatus.FAILED, EXIT_MISSED, self.swung or None)
         return self
 
     def for_rig(self, argument: str) -> "Ending":

@@ -293,13 +293,14 @@ def _run(
                 events(t, "injected", sentence, data)
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
-        for kind, about, data in said:
-            sentence = say_for_rig(about, plan.profile.argument)
+        said = [(of, say_for_rig(what, plan.profile.argument), data) for of, what, data in said]
+        for kind, sentence, data in said:
             watcher.said(sentence)
             events(loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
         ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
-        return ending._replace(swung=any(kind in (HUNTS, STICKS) for kind, _, _ in said))
+        swung = "; ".join(sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS))
+        return ending._replace(swung=swung)
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return _by_bug(error, None if loop is None else loop.t, events)

@@ -97,7 +97,7 @@ def explain_run(folder: Path) -> list[Remark]:
     ended = status if code is None else f"{status}, exit code {code}"
     said = [Remark("run", f"{folder.name}: {ended}{age_since(manifest.get('ended'))}")]
     message = manifest.get("message")
-    if message:
+    if message and status != RunStatus.FAILED:  # what it swings by is looked back at below
         said.append(Remark("message", message))
     if status in (RunStatus.FAULTED, RunStatus.CRASHED):
         from rig.explaining.fault_time import fault_time  # with numpy

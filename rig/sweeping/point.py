@@ -91,7 +91,7 @@ def perform(job: PointJob) -> PointFinding:
 
 def _finding(name: str, result: Result) -> PointFinding:
     missed = ", ".join(metric.name for metric in result.metrics if metric.passed is False)
-    reason = result.message or (f"missed {missed}" if missed else "")
+    reason = "; ".join(filter(None, (result.message, missed and f"missed {missed}")))
     return PointFinding(
         point=name, status=result.status.value, reason=one_line(reason),
         metrics=[_cell(metric) for metric in result.metrics],
