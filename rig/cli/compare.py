@@ -147,7 +147,7 @@ def compare(
     return max((result.exit_code for result in results.values() if result.exit_code > 1), default=0)
 
 
-def _ending(result: "Ended") -> str:
+def _ending(result: Ended) -> str:
     """Return a run's status, or what came of it where that would not say it."""
     if result.status != "failed":
         return result.status

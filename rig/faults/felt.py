@@ -81,13 +81,13 @@ class Felt:
         """
         found = []
         for (item, _), at in zip(self._made, self._at, strict=True):
-            column = f"pressure_{item.place(self._subject).axis}"
-            if at is None or item.row.shows is at_once or column not in columns:
+            by = item.row.shown_by.format(axis=item.place(self._subject).axis)
+            telling = [k for k, column in enumerate(columns) if column.startswith(by)]
+            if at is None or item.row.shows is at_once or not telling:
                 found.append(at)
                 continue
             kept = (times >= at) & (times <= until)
-            truth = rows[kept, columns.index(column)]
-            first = item.row.shows(item.sizes, times[kept], truth)
+            first = item.row.shows(item.sizes, times[kept], rows[kept][:, telling])
             is_late = first is None or first + item.row.within > until
             found.append(None if is_late else first)
         return tuple(found)

@@ -120,15 +120,15 @@ class Plight(NamedTuple):
 Excuse = Callable[[Plight], frozenset[str]]
 Samples = NDArray[np.float64]
 Shows = Callable[[Sizes, Samples, Samples], float | None]
-"""Takes sizes, times (s, ascending) and the true pressure of the chamber then (Pa), from the fault
-to the end of control; returns when that first shows the fault, s."""
+"""Takes sizes, times (s, ascending, shape (n,)) and what is true then of the columns that may show
+it, shape (n, m), from the fault to the end of control; returns when they first do, s."""
 
 
 _LOW_PRESSURE = 100e3
 """Pa gauge: what leaves a chamber that holds less is fed sooner, and moves its rod later."""
 
 
-def at_once(sizes: Sizes, times: Samples, pressures: Samples) -> float | None:
+def at_once(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
     """Have a fault show from its beginning."""
     return float(times[0])
 
@@ -162,7 +162,9 @@ class FaultKind:
     in_motion : bool
         Whether only motion shows it: the orderly stop, which moves everything, counts for it.
     shows : callable
-        Returns when the truth of its chamber first shows it; it is felt from then on.
+        Returns when the truth first shows it; it is felt from then on.
+    shown_by : str
+        How the columns of the truth begin that it is shown: ``{axis}`` is the place's.
     why : str
         Why it is harmless where it need not be seen, or what limits its being seen.
     magnitude : Magnitudes, optional
@@ -192,6 +194,7 @@ class FaultKind:
     filling: float = 0.0
     in_motion: bool = False
     shows: Shows = at_once
+    shown_by: str = "pressure_{axis}"
     why: str = ""
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None

@@ -1,4 +1,8 @@
-"""When a regulator that takes longer than others has lagged by more than any of them is off."""
+"""When the truth of a pneumatic rig shows what nobody could tell before.
+
+A regulator that takes longer than others, once it has lagged by more than any of them is off; a
+chamber that leaks behind its monitor, once a rod has moved.
+"""
 
 from typing import Final
 
@@ -13,9 +17,11 @@ _ANSWERS: Final = 50e-3
 over its bandwidth (40 rad/s)."""
 _OVER: Final = 1.0
 """s: what was longer ago is the past."""
+_MOVED: Final = 0.5e-3
+"""m: what stands gives by less when its pull changes, by wires and bristles."""
 
 
-def lags(sizes: Sizes, times: Samples, pressures: Samples) -> float | None:
+def lags(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
     """Return when a slow regulator shows, s; None: it never does. See `Shows`.
 
     It lags by what it takes longer, times how fast its pressure moves. Nobody can tell it from a
@@ -23,8 +29,20 @@ def lags(sizes: Sizes, times: Samples, pressures: Samples) -> float | None:
     """
     if len(times) < 2:
         return None
-    lag = ((sizes.magnitude or 1.0) - 1.0) * _ANSWERS * np.gradient(pressures, times)
+    lag = ((sizes.magnitude or 1.0) - 1.0) * _ANSWERS * np.gradient(truth[:, 0], times)
     power = np.concatenate([[0.0], np.cumsum(lag[1:] ** 2 * np.diff(times))])
     before = np.searchsorted(times, times - _OVER)
     shown = np.flatnonzero(power - power[before] > AT_REST_OFF**2 * _OVER)
     return float(times[shown[0]]) if shown.size else None
+
+
+def moves(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
+    """Return when a rod has first moved, s; None: all stand where they did. See `Shows`.
+
+    While seals hold all rods, a chamber may be empty, and its monitor at the other end of the tube
+    shows nothing of it.
+    """
+    if not len(times):
+        return None
+    moved = np.flatnonzero(np.max(np.abs(truth - truth[0]), axis=1) > _MOVED)
+    return float(times[moved[0]]) if moved.size else None

@@ -35,7 +35,7 @@ has changed since. The alarms of the joint do not hold for one that was never ca
 GROWN: Final = 0.2
 """Share by which a unit's friction is more than its profile says, so that it may be stopped for it
 under that name. `rig calibrate RIG friction` leaves 0.15 open."""
-_FRICTION = re.compile("sticks and slips at|it sticks, with more friction")
+_FRICTION = re.compile("sticks and slips at|more friction than the profile says")
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,7 @@ from rig.faults.kind import (
     ride,
     safe,
 )  # fmt: skip
-from rig.faults.lagging import AT_REST_OFF, lags
+from rig.faults.lagging import AT_REST_OFF, lags, moves
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
@@ -246,7 +246,7 @@ PNEUMATIC = (
     of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m^3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    until_moved(of_device(
+    replace(until_moved(of_device(
         "leak", "The tube of a chamber is off.", is_felt(TUBE, 2e-8),
         filling=3.5,  # chambers fill and it approaches, before anything moves far enough
         magnitude=Magnitudes(1e-8, 5e-8, "m^3/(s Pa)"),
@@ -254,7 +254,7 @@ PNEUMATIC = (
         "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
         "one empties the chamber before its opponents can be; a monitor at the other end of "
         "the tube shows nothing of it, and while nothing moves, nobody can tell",
-        excuses=empties_at_once)),
+        excuses=empties_at_once)), shows=moves, shown_by="extension_"),
     of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
               forgives=ALONE),
     of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,

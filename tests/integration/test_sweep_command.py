@@ -279,7 +279,17 @@ FAULTS = "simulation.faults=[],[{at: 2.5 s, device: plant, fault: wire_cut, valu
 
 def test_points_that_fault_are_rows_and_their_runs_are_kept(tmp_path, capsys):
     firm = ("--set", "plant.friction_scale=1.2")
-    arguments = ("cylinder-ideal-step", *SHORT, *firm, "--vary", FAULTS, "--seeds", "0:2", "--keep", "0")
+    arguments = (
+        "cylinder-ideal-step",
+        *SHORT,
+        *firm,
+        "--vary",
+        FAULTS,
+        "--seeds",
+        "0:2",
+        "--keep",
+        "0",
+    )
     code, _, told = run(capsys, *arguments, "--out", tmp_path / "all", "--workers", 2)
     rows = list(csv.DictReader((tmp_path / "all" / "sweep.csv").read_text().splitlines()))
     assert code == 0 and "2 ok, 2 faulted" in told

@@ -11,7 +11,7 @@ from drivers.sim.frame_faults import FrameFault, FrameFaults
 from rig.faults.case import Break
 from rig.faults.felt import Felt
 from rig.faults.kind import Sizes
-from rig.faults.lagging import lags
+from rig.faults.lagging import lags, moves
 from rig.faults.subject import Subject
 
 PERIOD = 0.005
@@ -106,4 +106,25 @@ def test_a_slow_regulator_is_felt_when_its_pressure_moves(way, took, until, show
 
 def test_a_slow_regulator_whose_time_ends_at_once_is_not_felt():
     times = np.array([1.0])
-    assert lags(Sizes(6.0, inf), times, np.array([60e3])) is None
+    assert lags(Sizes(6.0, inf), times, np.array([[60e3]])) is None
+
+
+@pytest.mark.parametrize(
+    ("way", "until", "shows"),
+    [(0.4e-3, 4.0, False), (0.7e-3, 4.0, True), (-0.7e-3, 4.0, True), (0.7e-3, 3.2, False)],
+    ids=["gives", "moves", "moves back", "too late"],
+)
+def test_a_tube_that_is_off_is_felt_when_a_rod_moves(way, until, shows):
+    """Whichever rod: an empty chamber lets go what its own opponent pulls, and the other pair."""
+    felt = Felt(replace(SUBJECT, knows={"plant": ("agonist.leak", "antagonist.leak")}))
+    felt.make(Break("leak", "plant agonist", 3e-8, inf), 0.5)
+    times = np.arange(0.0, 4.0, 1e-3)
+    rods = np.column_stack([np.full_like(times, 0.02), 0.02 + way * (times > 1.25)])
+    (found,) = felt.shown(["extension_agonist", "extension_antagonist"], times, rods, until)
+    assert (found is not None) is shows
+    if found is not None:
+        assert found == pytest.approx(1.251, abs=1.1e-3)
+
+
+def test_nothing_moves_in_no_time():
+    assert moves(Sizes(3e-8, inf), np.empty(0), np.empty((0, 2))) is None

@@ -16,6 +16,10 @@ CONFIGS = Path(rig.__file__).parents[1] / "configs"
 RUN = QuietRun("cylinder", "cylinder-sine", ())
 STICKS = "the pair sticks and slips at 0.9 Hz, 7 mm peak to peak, about its reference"
 LAGS = "following error of the pair is 3.1 mm; it sticks, with more friction than the profile says"
+HELD = (
+    "regulators: the chamber of ch2 leaks behind its tube, or its monitor is off, or the ring is "
+    "pushed or held, or has more friction than the profile says"
+)
 SUPPLY = "regulators: the supply pressure is lost: agonist, antagonist fall short"
 
 
@@ -33,6 +37,7 @@ def test_what_runs_to_its_end_is_neither(code, message):
         (STICKS, 0.25, True),
         (LAGS, math.nextafter(GROWN, 1.0), True),
         (LAGS, GROWN, False),
+        (HELD, 0.29, True),
         (STICKS, -0.3, False),
         (SUPPLY, 0.3, False),
     ],
