@@ -201,9 +201,14 @@ class JointWatch:
         rods = self._unstretched(state)
         cause = self._wires.explain_run(rods, state.pressures, error.rod) if error.ran else None
         cause = cause or self._balance.explain() or self.pressures.suspicion()
+        number, off = _pair_of(error.rod, error.value)
         if cause is None:
-            number, off = _pair_of(error.rod, error.value)
             cause = self._balance.explain_strayed(off, number, ran=error.ran, lasted=error.lasted)
+        if cause is None and error.offs:  # of the other pair: the ring slides on without it
+            one, opposite = PAIRS[1 - number]
+            off = 0.5 * (error.offs[one] - error.offs[opposite])
+            if abs(off) > 0.5 * self._limits.following:
+                cause = self._balance.explain_off(off, 1 - number)
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def drives(self, rod: int, off: float) -> bool:

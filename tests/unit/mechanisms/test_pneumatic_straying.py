@@ -178,3 +178,12 @@ def test_what_has_strayed_for_long_says_that_it_lasted_and_what_runs_does_not(si
 
     assert not caught([0.0, 7e-3], driven=False).lasted
     assert caught([0.0, 4e-3, 4e-3, 4e-3], driven=True).lasted
+
+
+def test_what_strays_says_how_far_all_are_off():
+    watched = TrackingWatch(("one", "other"), 2e-3, OscillationAlarm(lost=5e-3))
+    with pytest.raises(Strayed) as caught:
+        for k in range(9):
+            watched.check((1e-3, 5e-3), (0.5e-3, 8e-3), 1e-3 * k)
+    assert caught.value.rod == 1
+    assert caught.value.offs == pytest.approx([-0.5e-3, 3e-3])

@@ -43,6 +43,9 @@ class Strayed(LimitExceeded):
     rod: int = 0
     """Number of the rod or pair."""
 
+    offs: Sequence[float] = ()
+    """How far all of them are off, m."""
+
     ran: bool = False
     """Whether it has run there by itself, and has not lagged behind."""
 
@@ -253,7 +256,11 @@ class TrackingWatch:
                 self._followed[k] = now, measured[k]
                 self._driven.discard(k)
             else:
-                self._check_far(k, error, measured[k], now, followed, held, driven)
+                try:
+                    self._check_far(k, error, measured[k], now, followed, held, driven)
+                except Strayed as strayed:
+                    strayed.offs = [at - to for at, to in zip(measured, wanted, strict=True)]
+                    raise
             frequency = swings.update(goal, error, now)
             if frequency is None:
                 continue
