@@ -173,9 +173,9 @@ def run(
 ) -> int:
     """Break rigs, or what files of scenarios say; exit 1 if anybody might have been hurt.
 
-    Without a name cylinder, joint, arm, arm-odrive, legs and legs-can are broken, every fault once on
-    each. Each case that goes wrong leaves a run folder with what was true after the fault, and the line that repeats it;
-    `rig rerun` of that folder repeats it, too.
+    Without a name cylinder, joint, arm, arm-odrive, legs and legs-can are broken, every fault once
+    on each. Each case that goes wrong leaves a run folder with what was true after the fault, and
+    the line that repeats it; `rig rerun` of that folder repeats it, too.
     A fault whose moment never came is no pass; the exit code is 2 then.
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip

@@ -142,7 +142,7 @@ KINDS = (
     _kind("readings_out_of_order", "Every other reading comes after its successor.", "from",
           "reorder", either, 0.2, why="the older one is older than it looks by one cycle",
           magnitude=Magnitudes(0.2e-3, 2e-3, "s")),
-    _kind("readings_short", "What a device measures ends after so many bytes.", "from", "truncate",
+    _kind("readings_short", "What a device measures ends after some bytes.", "from", "truncate",
           _unless_bridged, 0.1, why=_BRIDGED, magnitude=_BYTE),
     _kind("readings_corrupt", "A byte of what a device measures is inverted.", "from", "corrupt",
           either, 0.1, why="a byte that says little changes little", magnitude=_BYTE),
@@ -158,7 +158,7 @@ KINDS = (
           why="as setpoints that are late; where no echo shows it, a low byte is 3.9 kPa of the "
           "joint's 500 and 3 mrad of a leg's servo, less than those may be off; the byte of "
           "digital outputs shuts the supply valve, which the chambers show when they lack air"),
-    _kind("setpoints_short", "Setpoints end after so many bytes.", "to", "truncate", _unless_short, 0.2,
+    _kind("setpoints_short", "Setpoints end after some bytes.", "to", "truncate", _unless_short, 0.2,
           why=_SHORT, magnitude=_BYTE),
     _kind("setpoints_twice", "Setpoints arrive twice.", "to", "duplicate", ride, 0.1,
           why="the second copy asks for nothing new"),
