@@ -86,6 +86,7 @@ SAFETY_CORE = {
     ),
     "rig/mechanisms/joint/watch.py": (
         "mechanisms/test_joint_causes.py",
+        "mechanisms/test_joint_other_pair.py",
         "mechanisms/test_joint_compiling.py",
         "mechanisms/test_joint_watch.py",
     ),

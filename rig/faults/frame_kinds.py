@@ -158,8 +158,8 @@ KINDS = (
           why="as setpoints that are late; where no echo shows it, a low byte is 3.9 kPa of the "
           "joint's 500 and 3 mrad of a leg's servo, less than those may be off; the byte of "
           "digital outputs shuts the supply valve, which the chambers show when they lack air"),
-    _kind("setpoints_short", "Setpoints end after some bytes.", "to", "truncate", _unless_short, 0.2,
-          why=_SHORT, magnitude=_BYTE),
+    _kind("setpoints_short", "Setpoints end after some bytes.", "to", "truncate",
+          _unless_short, 0.2, why=_SHORT, magnitude=_BYTE),
     _kind("setpoints_twice", "Setpoints arrive twice.", "to", "duplicate", ride, 0.1,
           why="the second copy asks for nothing new"),
     _kind("setpoints_out_of_order", "Every other setpoint arrives after its successor.", "to",
