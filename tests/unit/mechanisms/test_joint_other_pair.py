@@ -34,7 +34,7 @@ def test_a_pair_that_stays_off_though_it_is_pulled_back_is_why_the_other_strays(
     friction, following = joint._watch._balance._friction, joint.settings.limits.following
     for share, is_told in ((1.05, True), (0.95, False)):
         joint, state = held(weak, share * friction.coulomb)
-        for off, names in ((0.52, True), (0.48, False), (-0.9, False)):
+        for off, names in ((0.52, True), (0.5, False), (-0.9, False)):
             offs = [0.0] * 4
             # The rods of a pair go to opposite sides; a chamber that pulls draws its own in.
             opponent = pair[1 - pair.index(weak)]
