@@ -26,7 +26,7 @@ def refusals_of(profile: Profile) -> Iterator[str]:
     from rig.config.calibration_state import calibration_states
     from rig.experiment.fault_latch import FaultLatch
 
-    yield from _said_by(FaultLatch(profile.name, profile.argument).check)
+    yield from _said_by(FaultLatch.of(profile).check)
     for state in calibration_states(profile, datetime.now(UTC).date(), on_hardware=True):
         if state.problems:
             yield f"{state.name}: {state.sentence}"

@@ -43,6 +43,19 @@ def faults_that_came(
             yield t, sentence, data
 
 
+def faults_that_never_came(
+    faults: Sequence[FaultSpec], started: float, lasted: float
+) -> Iterator[str]:
+    """Yield what was to break after a run was over; parameters as `faults_that_came`."""
+    for fault in sorted(faults, key=lambda fault: fault.at):
+        if fault.at - started > lasted:
+            yield (
+                f"simulation.faults: {fault.fault} of {fault.device} never came: it was for "
+                f"{fault.at:.3g} s on the clock of the simulated world, which stood at "
+                f"{started + lasted:.3g} s when the run was over"
+            )
+
+
 def _channel_of(fault: FaultSpec, names: Sequence[str]) -> str | None:
     """Return the channel that a fault's value means; None: the value is how much."""
     number = 0.0 if fault.size is None else fault.size

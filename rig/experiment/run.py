@@ -28,7 +28,7 @@ from rig.experiment.ending import (
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
-from rig.experiment.injected import faults_that_came
+from rig.experiment.injected import faults_that_came, faults_that_never_came
 from rig.experiment.kept_traceback import keep_traceback
 from rig.experiment.metrics import Metric, all_passed
 from rig.experiment.new_folder import create_folder, log_columns
@@ -288,9 +288,12 @@ def _run(
                         progress_every=watcher.progress_every,
                     )
         if rig.backend.is_simulated and loop.phases is not None and loop.t is not None:
-            broken = plan.profile.simulation.faults, channels_of(plan.profile)
-            for t, sentence, data in faults_that_came(*broken, loop.phases.start, loop.t):
+            broken, times = plan.profile.simulation.faults, (loop.phases.start, loop.t)
+            for t, sentence, data in faults_that_came(broken, channels_of(plan.profile), *times):
                 events(t, "injected", sentence, data)
+            for sentence in faults_that_never_came(broken, *times):
+                watcher.said(sentence)
+                events(loop.t, "never", sentence, {})
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
         said = [(of, say_for_rig(what, plan.profile.argument), data) for of, what, data in said]

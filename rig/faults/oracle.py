@@ -35,9 +35,10 @@ class Violation(NamedTuple):
     unit: str
 
     def __str__(self) -> str:
+        of = "" if self.hazard == self.column else f" of {self.column}"
         return (
-            f"{self.hazard} of {self.column}: {self.worst:.4g} {self.unit} beyond "
-            f"{self.bound:.4g} {self.unit}, first at {self.t:.3f} s"
+            f"{self.hazard}{of}: {self.worst:.4g} {self.unit} beyond {self.bound:.4g} {self.unit} "
+            f"(the limit with its margin), first at {self.t:.3f} s"
         )
 
 

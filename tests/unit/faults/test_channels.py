@@ -8,7 +8,7 @@ from rig.assembly import REGISTRY, check_channels
 from rig.assembly.channels import channels_of
 from rig.config import find_configs, load_profile
 from rig.config.simulation_models import FaultSpec
-from rig.experiment.injected import faults_that_came
+from rig.experiment.injected import faults_that_came, faults_that_never_came
 from rig.faults.catalogue import KINDS
 from rig.faults.world_kinds import _channels
 from rig.hal import ConfigurationError
@@ -48,6 +48,18 @@ def test_the_event_of_a_fault_names_its_channel(fault, channel):
     assert ("count from 0" in sentence) is (channel is not None)
     assert channel is None or f", {channel} (value " in sentence
     assert data["magnitude"] == fault.size
+
+
+@pytest.mark.parametrize(("at", "never"), [(10.25, False), (10.26, True)])
+def test_a_fault_that_comes_after_the_end_is_told(at, never):
+    faults = [FaultSpec(at, "plant", "wire_cut"), FaultSpec(1.0, "can0", "bus_off")]
+    told = list(faults_that_never_came(faults, 0.25, 10.0))
+    came = list(faults_that_came(faults, {}, 0.25, 10.0))
+    assert len(told) == never
+    assert len(told) + len(came) == 2
+    if never:
+        assert "wire_cut of plant never came" in told[0]
+        assert "stood at 10.2 s" in told[0]
 
 
 def test_a_number_that_is_no_channel_is_refused_with_the_names():

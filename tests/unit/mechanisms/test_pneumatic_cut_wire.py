@@ -263,6 +263,17 @@ def test_check_shows_both_pressures():
     assert {quantity.unit for quantity in expected} == {"m/s", "J", "Pa", "N s/m"}
 
 
+def test_seals_that_nobody_has_measured_may_have_less_friction():
+    smooth = pair_settings(
+        moving_mass=0.138, bore=16e-3, rod=5e-3, friction=FrictionModel(6.24, 13.4, 8e-3, 30.0)
+    )
+    energy = compute_whip(smooth, 2, 285e3).energy
+    (told,) = [one for one in expect_cut_wire(PAIR, 2, 285e3) if "of the friction" in one.name]
+    assert told.name == "the same with 0.6 of the friction"
+    assert told.value == pytest.approx(energy, rel=1e-12)
+    assert f"with {energy:.3g} J if its seals have 0.6" in refuse_weak_stop(PAIR, 2, 285e3)
+
+
 def test_a_speed_above_the_limit_is_warned_of_and_one_at_it_is_not():
     fast = compute_whip(PAIR, 2, PAIR.base_pressure).speed
     warnings = {}
