@@ -33,7 +33,7 @@ class RunStatus(StrEnum):
     RUNNING = "running"
     OK = "ok"
     FAILED = "failed"
-    """It ran to its end and missed an acceptance bound, or something swung."""
+    """It ran to its end and missed an acceptance bound, or has another flaw."""
     ABORTED = "aborted"
     """It was interrupted and made safe."""
     FAULTED = "faulted"

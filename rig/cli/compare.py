@@ -151,7 +151,7 @@ def _ending(result: Ended) -> str:
     """Return a run's status, or what came of it where that would not say it."""
     if result.status != "failed":
         return result.status
-    return "bound missed" if result.message is None else "swings"
+    return "bound missed" if result.message is None else "flawed"
 
 
 def _say_missed(runs: Mapping[str, Path]) -> None:

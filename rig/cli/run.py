@@ -249,7 +249,7 @@ def show(result: Result) -> None:
     from rig.hal.formats import format_against
     from rig.run_facts import LOG, REPORT, RunStatus
 
-    # What swung was told when the log was looked back at.
+    # A flaw was told when it was found.
     is_told = result.message is None or result.status is RunStatus.FAILED
     if not is_told:
         click.echo(f"{result.status}: {result.message}", err=True)

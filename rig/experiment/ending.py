@@ -32,16 +32,16 @@ class Ending(NamedTuple):
         What ended it early.
     bug : BaseException or None
         What is raised once the books are closed, for its traceback.
-    swung : str
-        What its log shows to hunt, or to stick and slip: no such run ends well, even if it has no
-        bound to miss.
+    flaw : str
+        What its log shows to hunt, or to stick and slip, or what moved off when it was released: no
+        such run ends well, even if it has no bound to miss.
     """
 
     status: RunStatus
     code: int
     message: str | None = None
     bug: BaseException | None = None
-    swung: str = ""
+    flaw: str = ""
 
     def losing(self, trouble: str) -> "Ending":
         """Return the ending of a run part of whose results cannot be kept."""
@@ -52,8 +52,8 @@ class Ending(NamedTuple):
 
     def judged(self, *, passed: bool) -> "Ending":
         """Return the ending of a run of which is known whether its metrics keep their bounds."""
-        if self.status is RunStatus.OK and (self.swung or not passed):
-            return Ending(RunStatus.FAILED, EXIT_MISSED, self.swung or None)
+        if self.status is RunStatus.OK and (self.flaw or not passed):
+            return Ending(RunStatus.FAILED, EXIT_MISSED, self.flaw or None)
         return self
 
     def for_rig(self, argument: str) -> "Ending":

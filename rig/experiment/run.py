@@ -247,6 +247,14 @@ def _run(
 ) -> Ending:
     """Connect, arm, loop; return how it ended."""
     events = _Events(folder)
+    flaws: list[str] = []
+
+    def noted(t: float | None, kind: str, message: str, data: dict[str, Any]) -> None:
+        events(t, kind, message, data)
+        if kind == "stop":  # of a stop that was not as orderly as it was meant to be
+            watcher.said(message)
+            flaws.append(message)
+
     loop: Loop[Any, Any, Any] | None = None
 
     def on_change(old: RigState, new: RigState) -> None:
@@ -281,7 +289,7 @@ def _run(
                     outcome = loop.run(
                         plan.motion,
                         recorder=recorder,
-                        events=events,
+                        events=noted,
                         stop=stop,
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
@@ -302,8 +310,8 @@ def _run(
             events(loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
         ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
-        swung = "; ".join(sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS))
-        return ending._replace(swung=swung)
+        flaws += [sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS)]
+        return ending._replace(flaw="; ".join(flaws))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return _by_bug(error, None if loop is None else loop.t, events)

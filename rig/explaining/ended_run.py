@@ -19,8 +19,9 @@ from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
 _FELL = "fell"
-_LOOKED_BACK = (_DIAGNOSIS, _FELL, HUNTS, STICKS, "camera")
-"""Kinds of events that say what a log told once its run had ended."""
+_STOP = "stop"
+_LOOKED_BACK = (_DIAGNOSIS, _FELL, HUNTS, STICKS, "camera", _STOP)
+"""Kinds of events that say what a log told once its run had ended, or how it was stopped."""
 _UNSAFE = "unsafe"
 """Kind of the events that say who is not known to be safe after a stop."""
 _INJECTED = "injected"
@@ -113,7 +114,9 @@ def explain_run(folder: Path) -> list[Remark]:
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     names |= {_ON: _on_option(manifest)}
-    seen = [topic for kind in (_FELL, HUNTS, STICKS) if (topic := _topic_of_event(folder, kind))]
+    seen = [
+        topic for kind in (_FELL, HUNTS, STICKS, _STOP) if (topic := _topic_of_event(folder, kind))
+    ]
     if status == RunStatus.FAILED:
         after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
         return [*said, *_missed(folder), *(after or _after_missing(rig, folder, names))]
@@ -127,7 +130,8 @@ def explain_run(folder: Path) -> list[Remark]:
     if status == RunStatus.ABORTED:
         means = "Somebody stopped it, and the rig was made safe."
         again = f"`rig report {folder.name}` draws what there is; the same command runs it anew."
-        return [*said, Remark("means", means), Remark("next", again)]
+        of = _remarks(seen[0], folder, names) if seen else ()
+        return [*said, Remark("means", means), *(of or (Remark("next", again),))]
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best
     is_plain = _HELD_BACK.search(told[0]) is not None  # and no guess
     if message and (topic := topic_of(_cause_in(message))) is not None and topic.name in _SEEN:

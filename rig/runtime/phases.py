@@ -24,7 +24,10 @@ class Phase(IntEnum):
 
 
 _APPROACH, _RUN, _STOP = Phase  # a name is found five times faster than an enumeration's member
-_STRAYS = "what an orderly stop released moved off by itself, and was released at once"
+_STRAYS = (
+    "what an orderly stop released moved off by itself, and was released at once: "
+    "find out what let it go before it runs again"
+)
 
 
 class Timings(NamedTuple):

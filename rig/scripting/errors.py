@@ -24,7 +24,7 @@ class RunError(RigError):
 
 
 class BoundMissed(RunError):
-    """It came to its end and missed a bound, or swung (exit 1); asked for by ``strict=True``."""
+    """It came to its end with a bound missed or a flaw (exit 1); asked for by ``strict=True``."""
 
 
 class NotEnergised(RunError):

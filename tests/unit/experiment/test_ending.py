@@ -162,11 +162,11 @@ def test_a_command_of_a_message_is_given_the_name_of_its_rig():
 
 @pytest.mark.parametrize("status", list(RunStatus))
 @pytest.mark.parametrize("passed", [False, True])
-@pytest.mark.parametrize("swung", ["", "the pair hunts"])
-def test_a_run_ends_well_that_kept_its_bounds_and_did_not_swing(status, passed, swung):
-    ended = Ending(status, 7, "so", swung=swung)
+@pytest.mark.parametrize("flaw", ["", "the pair hunts"])
+def test_a_run_ends_well_that_kept_its_bounds_and_has_no_flaw(status, passed, flaw):
+    ended = Ending(status, 7, "so", flaw=flaw)
     judged = ended.judged(passed=passed)
-    if status is RunStatus.OK and (swung or not passed):
-        assert judged[:3] == (RunStatus.FAILED, 1, swung or None)
+    if status is RunStatus.OK and (flaw or not passed):
+        assert judged[:3] == (RunStatus.FAILED, 1, flaw or None)
     else:
         assert judged is ended
