@@ -37,10 +37,13 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
     expected = json.loads(capsys.readouterr().out)["profile"]["expected"]
     pneumatic = name.startswith(("cylinder", "joint"))
     assert [item["unit"] for item in expected] == (
-        ["m/s", "J", "Pa", "m/s", "J", "Pa", "N s/m", "N", "Pa", "s", "Pa", "s", "Pa", "1", "Pa"]
+        [
+            "m/s", "J", "Pa", "m/s", "J", "J", "Pa", "N s/m", "N", "Pa", "s", "Pa", "s", "Pa", "1",
+            "Pa",
+        ]
         if pneumatic
         else []
-    )
+    )  # fmt: skip
     assert ("what to expect if a part breaks" in shown) is pneumatic
     assert all(item["name"] in shown for item in expected)
 
