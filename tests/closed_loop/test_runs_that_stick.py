@@ -50,6 +50,7 @@ def test_friction_that_has_grown_by_a_third_stops_no_run(tmp_path, experiment):
     assert all(row["value"] is not None for row in metrics["metrics"]), "it was measured to the end"
 
 
-def test_friction_that_throws_rods_by_twice_as_much_stops_it(tmp_path):
-    code, said, _ = run(tmp_path, "joint-circle", "plant.friction_scale=1.6")
+def test_friction_that_keeps_rods_from_following_stops_it(tmp_path, capsys):
+    code, said, _ = run(tmp_path, "joint-circle", "plant.friction_scale=2")
     assert (code, said) == (EXIT_FAULT, [])
+    assert "has more friction than the profile says" in capsys.readouterr().err
