@@ -108,10 +108,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._pressure = regulators.pressure
         self._max_difference = limits.pair_force / settings.area
         self._force_hits = 0
-        self._extensions, self._position, self._now = (settings.home, settings.home), 0.0, 0.0
-        self._tracking = TrackingWatch(
-            ("the pair",), limits.following, settings.alarms.oscillation, settings.start
-        )
+        self._extensions = (settings.home, settings.home)
+        self._position = self._now = 0.0
+        swings, start = settings.alarms.oscillation, settings.start
+        self._tracking = TrackingWatch(("the pair",), limits.following, swings, start)
         self._watch = PairWatch(self.settings, regulators.name, [one.name for one in encoders])
         self._pressure_watch = self._watch.pressures
 
