@@ -36,6 +36,7 @@ SAFETY_CORE = {
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
         "mechanisms/test_pneumatic_vented.py",
+        "mechanisms/test_pneumatic_usual_pressures.py",
         "mechanisms/test_pneumatic_stray_pressures.py",
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
