@@ -6,6 +6,10 @@ from rig.faults.case import Break
 from rig.faults.kind import Must, Samples, Sizes, at_once
 from rig.faults.subject import Subject
 
+SHOWN = 0.5
+"""s: so long what only motion shows has to show, before the loop ends, to be wanted seen. The time
+in which a row wants it seen begins with the fault, and counts the stop that moves everything."""
+
 
 class Felt:
     """The times from which the faults of a case are felt.
@@ -88,6 +92,7 @@ class Felt:
                 continue
             kept = (times >= at) & (times <= until)
             first = item.row.shows(item.sizes, times[kept], rows[kept][:, telling])
-            is_late = first is None or first + item.row.within > until
+            lasts = SHOWN if item.row.in_motion else item.row.within
+            is_late = first is None or first + lasts > until
             found.append(None if is_late else first)
         return tuple(found)
