@@ -45,6 +45,7 @@ SAFETY_CORE = {
     "rig/mechanisms/pneumatic/alarms/answers.py": (
         "mechanisms/test_pneumatic_stray_pressures.py",
         "mechanisms/test_pneumatic_pressure_alarm.py",
+        "mechanisms/test_pneumatic_pressure_learnt.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
@@ -64,8 +65,18 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_starts.py",
     ),
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),
+    "rig/mechanisms/pneumatic/alarms/runs_off.py": (
+        "mechanisms/test_pneumatic_runs_off.py",
+        "mechanisms/test_pneumatic_straying.py",
+    ),
+    "rig/mechanisms/pneumatic/alarms/missing.py": (
+        "mechanisms/test_pneumatic_pull_balance.py",
+        "mechanisms/test_pneumatic_pulled_back.py",
+        "mechanisms/test_pneumatic_unseen_pull.py",
+    ),
     "rig/mechanisms/pneumatic/alarms/balance.py": (
         "mechanisms/test_pneumatic_pull_balance.py",
+        "mechanisms/test_pneumatic_unseen_pull.py",
         "mechanisms/test_pneumatic_pulled_back.py",
         "mechanisms/test_pneumatic_starts.py",
     ),
@@ -76,9 +87,11 @@ SAFETY_CORE = {
     ),
     "rig/mechanisms/cylinder/watch.py": (
         "mechanisms/test_cylinder_causes.py",
+        "mechanisms/test_cylinder_pulls.py",
         "mechanisms/test_cylinder_limits.py",
         "mechanisms/test_cylinder_watch.py",
         "mechanisms/test_pneumatic_starts.py",
+        "mechanisms/test_pneumatic_unseen_pull.py",
     ),
     "rig/mechanisms/cylinder/mechanism.py": (
         "mechanisms/test_cylinder_commands.py",
@@ -90,6 +103,7 @@ SAFETY_CORE = {
         "mechanisms/test_joint_other_pair.py",
         "mechanisms/test_joint_compiling.py",
         "mechanisms/test_joint_watch.py",
+        "mechanisms/test_pneumatic_unseen_pull.py",
     ),
     "rig/mechanisms/joint/mechanism.py": (
         "mechanisms/test_joint_commands.py",

@@ -85,7 +85,9 @@ class Felt:
         """
         found = []
         for (item, _), at in zip(self._made, self._at, strict=True):
-            by = item.row.shown_by.format(axis=item.place(self._subject).axis)
+            axis = item.place(self._subject).axis
+            opposite = self._subject.opposite(axis)
+            by = tuple(one.format(axis=axis, opposite=opposite) for one in item.row.shown_by)
             telling = [k for k, column in enumerate(columns) if column.startswith(by)]
             if at is None or item.row.shows is at_once or not telling:
                 found.append(at)

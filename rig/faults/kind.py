@@ -163,8 +163,9 @@ class FaultKind:
         Whether only motion shows it: the orderly stop, which moves everything, counts for it.
     shows : callable
         Returns when the truth first shows it; it is felt from then on.
-    shown_by : str
-        How the columns of the truth begin that it is shown: ``{axis}`` is the place's.
+    shown_by : tuple of str
+        How the columns of the truth begin that it is shown: ``{axis}`` is the place's, and
+        ``{opposite}`` what pulls against it.
     why : str
         Why it is harmless where it need not be seen, or what limits its being seen.
     magnitude : Magnitudes, optional
@@ -175,6 +176,8 @@ class FaultKind:
         Hazards that no controller could prevent, and that the mechanism must bear.
     excuses : callable
         Returns more of these, where the plant shows that it could not be helped.
+    is_sudden : bool
+        Whether those are forgiven as well that the emergency stop would not have kept off.
     spoils_law : bool
         Whether it is felt only when the controller is followed, and is counted from then on.
     stalls : bool
@@ -194,12 +197,13 @@ class FaultKind:
     filling: float = 0.0
     in_motion: bool = False
     shows: Shows = at_once
-    shown_by: str = "pressure_{axis}"
+    shown_by: tuple[str, ...] = ("pressure_{axis}",)
     why: str = ""
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None
     forgives: frozenset[str] = frozenset()
     excuses: Excuse = no_excuse
+    is_sudden: bool = False
     spoils_law: bool = False
     stalls: bool = False
     in_setpoints: bool = False

@@ -1,7 +1,7 @@
 """When the truth of a pneumatic rig shows what nobody could tell before.
 
 A regulator that takes longer than others, once it has lagged by more than any of them is off; a
-chamber that leaks behind its monitor, once a rod has moved.
+chamber that leaks behind its monitor, once a rod of its pair has moved.
 """
 
 from typing import Final
@@ -17,8 +17,8 @@ _ANSWERS: Final = 50e-3
 over its bandwidth (40 rad/s)."""
 _OVER: Final = 1.0
 """s: what was longer ago is the past."""
-_MOVED: Final = 0.5e-3
-"""m: what stands gives by less when its pull changes, by wires and bristles."""
+_MOVED: Final = 1e-3
+"""m: what stands gives by less when a pull of 40 N is gone, by wires and bristles."""
 
 
 def lags(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
@@ -39,8 +39,8 @@ def lags(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
 def moves(sizes: Sizes, times: Samples, truth: Samples) -> float | None:
     """Return when a rod has first moved, s; None: all stand where they did. See `Shows`.
 
-    While seals hold all rods, a chamber may be empty, and its monitor at the other end of the tube
-    shows nothing of it.
+    While seals hold a pair, one of its chambers may be empty, and the monitor at the other end of
+    the tube shows nothing of it; another pair may go on as if nothing had happened.
     """
     if not len(times):
         return None

@@ -70,7 +70,7 @@ class Performance(Watcher):
     subject : Subject
         The rig.
     branch : callable
-        Called at the moment of a case; returns whether this is the process that performs it.
+        Called at the moment of a case; returns what this process performs of it, or None.
     over : callable
         Called when no case is left; does not return.
     dies : callable
@@ -84,7 +84,7 @@ class Performance(Watcher):
         cases: Sequence[Case],
         subject: Subject,
         *,
-        branch: Callable[[Case], bool],
+        branch: Callable[[Case], Case | None],
         over: Callable[[], None],
         dies: Callable[[], None],
         keeps: bool = False,
@@ -176,11 +176,12 @@ class Performance(Watcher):
     def _come(self, case: Case, at: float) -> None:
         """Go two ways: here the case begins at a world time (s), in the other it has been."""
         self.waiting.remove(case)
-        if not self._branch(case):
+        performed = self._branch(case)
+        if performed is None:
             if not self.waiting:
                 self._over()
             return
-        self._case = case
+        self._case = performed
         self.waiting.clear()  # the others are the other process's
         self._stage.forget_cues()
         self._stage.cue(at, self._begin)

@@ -70,6 +70,16 @@ class Subject:
         """Whether it has chambers, which are filled while it is energised."""
         return any(hazard.name == "pressure" for hazard in self.hazards)
 
+    def opposite(self, axis: str) -> str:
+        """Return the channel of the plant that pulls against `axis`; itself where none does.
+
+        A pneumatic plant names one chamber of each pair, then in the same order the others.
+        """
+        channels = self.channels.get("plant", ())
+        if axis not in channels:
+            return axis
+        return channels[(channels.index(axis) + len(channels) // 2) % len(channels)]
+
     def words_of(self, bus: str) -> tuple[str, ...]:
         """Return names that stand for a bus: its own, and those of all that is on it."""
         devices = self.on_bus.get(bus, ())

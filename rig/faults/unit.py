@@ -17,6 +17,7 @@ from rig.experiment.plan import load_plan
 from rig.experiment.run import Result, run_experiment
 from rig.faults.branch import Home, die_with_parent, make_home
 from rig.faults.case import Case, Moment
+from rig.faults.counterfactual import borne_out, stopped_at_once
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
 from rig.faults.verdict import MISSED, OK, OURS, CaseEnding, Verdict, give_verdict
@@ -113,8 +114,28 @@ class _Branch:
         self._sender: int | None = None
         self._folder: Path
 
-    def go(self, case: Case) -> bool:
-        """Copy this process; return True in the copy, and False here when the copy has ended."""
+    def go(self, case: Case) -> Case | None:
+        """Copy this process; return what the copy performs, and None here when it has ended.
+
+        Once more where a hazard may have been inevitable: see `rig.faults.counterfactual`.
+        """
+        verdict = self._copy(case)
+        if verdict is None:
+            return case
+        stopped = stopped_at_once(case, self._subject) if verdict.hazard else None
+        if stopped is not None:
+            witness = self._copy(stopped)
+            if witness is None:
+                return stopped
+            shutil.rmtree(self._folder, ignore_errors=True)
+            verdict = borne_out(verdict, witness)
+            if not (verdict.failed or self._keeps):
+                shutil.rmtree(self._out / case.folder, ignore_errors=True)
+        self._tell(verdict)
+        return None
+
+    def _copy(self, case: Case) -> Verdict | None:
+        """Copy this process; return None in the copy, and its verdict here when it has ended."""
         reader, writer = os.pipe()
         self._folder = self._out / case.folder
         shutil.rmtree(self._folder, ignore_errors=True)
@@ -124,10 +145,9 @@ class _Branch:
             os.close(reader)
             self._sender = writer
             self._home.move(self._folder)
-            return True
+            return None
         os.close(writer)
-        self._tell(_receive(reader, child) or no_verdict(case, self._subject, "it gave no verdict"))
-        return False
+        return _receive(reader, child) or no_verdict(case, self._subject, "it gave no verdict")
 
     def tell_end(self, code: int | None, message: str) -> None:
         """Tell the verdict of this process's case, and end it; nothing of the program is left."""

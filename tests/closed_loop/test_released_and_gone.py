@@ -6,7 +6,8 @@ import pytest
 from stop_bench import CONFIGS
 
 from rig.cli import invoke
-from rig.experiment.ending import EXIT_MISSED, EXIT_OK
+from rig.experiment.ending import EXIT_FAULT, EXIT_MISSED, EXIT_OK
+from rig.mechanisms.pneumatic.alarms.missing import UnseenPull
 
 SMOOTH = (
     "cylinder.base_pressure=150 kPa", "plant.friction_scale=0.7", "cylinder.limits.stop_energy=5",
@@ -22,7 +23,8 @@ def run(tmp_path, *settings):
 
 
 @pytest.mark.parametrize("chamber", ["agonist", "antagonist"])
-def test_a_chamber_that_leaks_while_it_is_vented_is_told_of(tmp_path, capsys, chamber):
+def test_what_no_alarm_has_stopped_is_told_of(tmp_path, capsys, monkeypatch, chamber):
+    monkeypatch.setattr(UnseenPull, "lasts", False)
     leak = f"{{device: plant, fault: {chamber}.leak, value: 2.5e-8, at: 18.8 s}}"
     code, folder, manifest = run(tmp_path, f"simulation.faults=[{leak}]")
     assert code == EXIT_MISSED
@@ -32,6 +34,14 @@ def test_a_chamber_that_leaks_while_it_is_vented_is_told_of(tmp_path, capsys, ch
     told = capsys.readouterr().out
     assert "moved off by itself" in told
     assert "kind: moves_unasked" in told
+
+
+@pytest.mark.parametrize("chamber", ["agonist", "antagonist"])
+def test_a_chamber_that_leaks_while_it_is_vented_is_named(tmp_path, chamber):
+    leak = f"{{device: plant, fault: {chamber}.leak, value: 2.5e-8, at: 18.8 s}}"
+    code, _, manifest = run(tmp_path, f"simulation.faults=[{leak}]")
+    assert code == EXIT_FAULT
+    assert f"the chamber of {chamber} leaks behind its tube" in manifest["message"]
 
 
 def test_a_healthy_one_is_released_well(tmp_path):

@@ -25,6 +25,12 @@ class Equivalent(NamedTuple):
 
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/runs_off.py",
+        "way = place - left_at if error > 0.0 else left_at - place",
+        "error > 0.0 -> error >= 0.0",
+        "what has no error is near",
+    ),
     *(
         Equivalent(
             "rig/mechanisms/pneumatic/alarms/balance.py",
@@ -48,7 +54,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/tracking.py",
-        "way = measured - left_at if error > 0.0 else left_at - measured",
+        "way = place - left_at if error > 0.0 else left_at - place",
         "error > 0.0 -> error >= 0.0",
         "an error that is judged is beyond what is permitted, and never 0",
     ),
@@ -147,14 +153,14 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
             ),
             (
                 "found = [(missing, pair) for when, missing, pair in short if when < began + 0.5 * "
-                "_LOOK]",
-                "when < began + 0.5 * _LOOK -> when <= began + 0.5 * _LOOK",
+                "LOOK]",
+                "when < began + 0.5 * LOOK -> when <= began + 0.5 * LOOK",
                 "a run is found to begin a few milliseconds early or late",
             ),
         )
     ),
     Equivalent(
-        "rig/mechanisms/pneumatic/alarms/balance.py",
+        "rig/mechanisms/pneumatic/alarms/missing.py",
         "done = taken = 0.0",
         "0.0 -> 1.0",
         "both begin there, and only their difference counts",

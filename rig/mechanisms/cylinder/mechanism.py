@@ -110,8 +110,8 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._force_hits = 0
         self._extensions = (settings.home, settings.home)
         self._position = self._now = 0.0
-        swings, start = settings.alarms.oscillation, settings.start
-        self._tracking = TrackingWatch(("the pair",), limits.following, swings, start)
+        watched = settings.alarms.oscillation, settings.start, limits.most_run_off
+        self._tracking = TrackingWatch(("the pair",), limits.following, *watched)
         self._watch = PairWatch(self.settings, regulators.name, [one.name for one in encoders])
         self._pressure_watch = self._watch.pressures
 

@@ -137,6 +137,9 @@ class PairWatch:
         self._balance.note(now, rods, (agonist, antagonist))
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
+        are_taut = self._usual is not None and abs(change) < _AGREED * self._bound
+        if are_taut and (cause := self._balance.explain_unseen()):
+            raise SafetyError(cause)
 
     def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""
@@ -165,7 +168,7 @@ class PairWatch:
             case Shifted():
                 gone = balance.explain_gone(off, 0) if error.ran else None
                 return self._explain_shift() or gone
-            case Gone() if balance.rods and not balance.drives(off, 0):
+            case Gone() if balance.rods and (balance.runs() or not balance.drives(off, 0)):
                 return balance.explain_gone(off, 0)
         return None
 

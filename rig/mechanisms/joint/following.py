@@ -24,7 +24,11 @@ class RodsFollow:
         rods = [f"the rod of {name}" for name in CHANNELS]
         self._sway = settings.sway
         self._tracking = TrackingWatch(
-            rods, limits.following, settings.alarms.oscillation, settings.start
+            rods,
+            limits.following,
+            settings.alarms.oscillation,
+            settings.start,
+            limits.most_run_off,
         )
         self._unpushed = UnpushedWatch(min(limits.following, self._sway))
         self.suspicion = self._tracking.suspicion

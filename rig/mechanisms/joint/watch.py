@@ -132,6 +132,9 @@ class JointWatch:
             unstretched = self._unstretched(state)
             self._work.check(rods, pressures, lambda: self._wires.explain_swap(unstretched))
             self._wires.check(rods, unstretched, pressures, now)
+            unseen = self._balance.explain_unseen()
+            if unseen is not None and self._wires.agree(unstretched):
+                raise SafetyError(unseen)
             if self._camera is not None:
                 self._check_camera(self._camera, sample, now)
             tilt = tilt_of(self._wires.axis)
@@ -169,7 +172,7 @@ class JointWatch:
         if cause is None and isinstance(error, LimitExceeded):
             cause = self._balance.explain()
         cause = cause or self.pressures.suspicion()
-        if cause is None and isinstance(error, Shifted) and error.ran:
+        if cause is None and isinstance(error, Shifted) and (error.ran or self._wires.agree(rods)):
             number, off = _pair_of(error.rod, error.value)
             cause = self._balance.explain_gone(off, number)
         if cause is None and isinstance(error, DeviceFault):

@@ -91,6 +91,9 @@ class PneumaticLimits:
     following : float
         How far a rod may be from where it should be, m; farther for longer than
         ``alarms.oscillation.lost`` is a fault.
+    run_off : float, optional
+        How far a rod may be off by its own motion that its pressures do not bring about, m; at once
+        a fault. Twice ``following`` without one; a calibration that widens that keeps this.
     stop_energy : float, optional
         What the mechanical stop bears, J. Nothing but a stop holds the mechanism when a wire is
         cut: without one that bears it, hardware is refused. `rig check` says how much it is.
@@ -101,7 +104,13 @@ class PneumaticLimits:
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
     reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)]
     following: Annotated[float, Unit("m"), Gt(0)] = 3e-3
+    run_off: Annotated[float, Unit("m"), Gt(0)] | None = None
     stop_energy: Annotated[float, Unit("J"), Gt(0), Le(1e4)] | None = None
+
+    @property
+    def most_run_off(self) -> float:
+        """See `run_off`, m."""
+        return 2.0 * self.following if self.run_off is None else self.run_off
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,6 +191,9 @@ class PneumaticSettings:
         fastest = math.sqrt(2.0 * work / self.moving_mass)
         check_can_trip("limits.speed", self.limits.speed, fastest, "m/s", "is ever reached")
         check_can_trip("limits.following", self.limits.following, self.stroke, "m", "is the stroke")
+        check_can_trip(
+            "limits.run_off", self.limits.most_run_off, 2.0 * self.stroke, "m", "is a way"
+        )
 
     @property
     def area(self) -> float:

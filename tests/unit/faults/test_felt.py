@@ -110,17 +110,22 @@ def test_a_slow_regulator_whose_time_ends_at_once_is_not_felt():
 
 
 @pytest.mark.parametrize(
-    ("way", "until", "shows"),
-    [(0.4e-3, 4.0, False), (0.7e-3, 1.76, True), (-0.7e-3, 4.0, True), (0.7e-3, 1.74, False)],
-    ids=["gives", "moves", "moves back", "too late"],
-)
-def test_a_tube_that_is_off_is_felt_when_a_rod_moves(way, until, shows):
-    """Whichever rod: an empty chamber lets go what its own opponent pulls, and the other pair."""
-    felt = Felt(replace(SUBJECT, knows={"plant": ("agonist.leak", "antagonist.leak")}))
-    felt.make(Break("leak", "plant agonist", 3e-8, inf), 0.5)
+    ("moving", "way", "until", "shows"),
+    [
+        ("ch4", 0.9e-3, 4.0, False), ("ch4", 1.1e-3, 1.76, True), ("ch2", -1.1e-3, 4.0, True),
+        ("ch4", 1.1e-3, 1.74, False), ("ch1", 7e-3, 4.0, False), ("ch3", -7e-3, 4.0, False),
+    ],
+    ids=["gives", "its opponent pulls", "gives way", "too late", "another pair", "another again"],
+)  # fmt: skip
+def test_a_tube_that_is_off_is_felt_when_a_rod_of_its_pair_moves(moving, way, until, shows):
+    channels = ("ch1", "ch2", "ch3", "ch4")
+    knows = {"plant": tuple(f"{channel}.leak" for channel in channels)}
+    felt = Felt(replace(SUBJECT, knows=knows, channels={"plant": channels}))
+    felt.make(Break("leak", "plant ch2", 3e-8, inf), 0.5)
     times = np.arange(0.0, 4.0, 1e-3)
-    rods = np.column_stack([np.full_like(times, 0.02), 0.02 + way * (times > 1.25)])
-    (found,) = felt.shown(["extension_agonist", "extension_antagonist"], times, rods, until)
+    rods = np.column_stack([0.02 + way * ((channel == moving) & (times > 1.25))
+                            for channel in channels])  # fmt: skip
+    (found,) = felt.shown([f"extension_{channel}" for channel in channels], times, rods, until)
     assert (found is not None) is shows
     if found is not None:
         assert found == pytest.approx(1.251, abs=1.1e-3)

@@ -107,6 +107,7 @@ def test_a_limit_that_is_exceeded_in_the_first_cycle_is_told_as_it_is():
     assert bench.pair.explain(fault, state) is fault
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     bench = PairBench()
     now = swing(bench, 3)
@@ -123,6 +124,7 @@ def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     assert bench.pair.explain(stop, state) is stop
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_what_swung_before_a_new_start_is_forgotten():
     bench = PairBench()
     now = swing(bench, 3)

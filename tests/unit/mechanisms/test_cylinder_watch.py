@@ -112,6 +112,7 @@ def test_a_rod_may_say_the_same_while_the_other_moves_by_the_distance_and_for_th
     )
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_a_rod_that_moves_has_its_time_and_its_distance_again():
     rods = Rods(frozen=FROZEN)
     for k in range(4 * HELD):

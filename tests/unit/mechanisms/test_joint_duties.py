@@ -124,6 +124,7 @@ def test_a_limit_that_is_exceeded_before_anything_was_checked_is_told_as_it_is()
     assert bench.joint.explain(FAULT, bench.joint.read(0.0)) is FAULT
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     bench, state = swinging()
     told = bench.joint.explain(FAULT, state)
@@ -139,12 +140,14 @@ def test_a_limit_that_is_exceeded_by_a_swing_is_told_with_the_swing():
     assert bench.joint.explain(stop, state) is stop
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_what_swung_before_a_new_start_is_forgotten():
     bench, state = swinging()
     bench.joint.start_limiting(state)
     assert bench.joint.explain(FAULT, state) is FAULT
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_what_swung_while_it_was_controlled_is_forgotten_when_it_is_not():
     for leave in ("push", "controller"):
         bench, state = swinging()
@@ -180,6 +183,7 @@ def test_a_camera_that_sees_the_marker_elsewhere_is_named():
             bench.cycles(1)
 
 
+@pytest.mark.usefixtures("moved_by_hand")
 def test_a_rod_that_does_not_follow_is_a_fault_after_its_time():
     settings = joint_settings()
     lost = settings.alarms.oscillation.lost

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from rig.mechanisms.pneumatic.alarms.balance import Instant, PullBalance, missing_pull
+from rig.mechanisms.pneumatic.alarms.balance import PullBalance
+from rig.mechanisms.pneumatic.alarms.missing import Instant, missing_pull
 from rig.mechanisms.pneumatic.settings import SealFriction
 
 FRICTION = SealFriction(coulomb=10.4, breakaway=13.4, stribeck_velocity=8e-3, viscous=50.0)

@@ -187,3 +187,28 @@ def test_what_strays_says_how_far_all_are_off():
             watched.check((1e-3, 5e-3), (0.5e-3, 8e-3), 1e-3 * k)
     assert caught.value.rod == 1
     assert caught.value.offs == pytest.approx([-0.5e-3, 3e-3])
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_runs_off_has_a_bound_of_its_own_where_a_calibration_lets_rods_stray(side):
+    def strayed(speed, driven=False):
+        """Return how far off it is found, m, and what is said; None: it is not."""
+        alarm = OscillationAlarm(lost=10.0)
+        watched = TrackingWatch(("the pair",), 0.5, alarm, run_off=2.0**-7)
+        for k in range(100):
+            off = side * speed * k
+            try:
+                watched.check((0.25,), (0.25 + off,), 0.125 * k, driven=lambda k, off: driven)
+            except Strayed as error:
+                return abs(off), error
+        return None
+
+    off, error = strayed(2.0**-10)
+    assert off == 9.0 * 2.0**-10, "the first beyond it"
+    assert (error.lower, error.upper, error.ran) == (-(2.0**-7), 2.0**-7, True)
+    assert strayed(2.0**-14) is None, "it has not got so far"
+    assert strayed(2.0**-10, driven=True) is None
+    # What is left behind as its reference goes has not run.
+    watched = TrackingWatch(("the pair",), 0.5, OscillationAlarm(lost=10.0), run_off=2.0**-7)
+    for k in range(100):
+        watched.check((side * 2.0**-10 * k,), (0.0,), 0.125 * k)

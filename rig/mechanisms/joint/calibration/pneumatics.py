@@ -176,7 +176,9 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
             "disagreement": min(_DISAGREEMENT, _WITHIN * stroke),
             "following": _FOLLOWING * stroke,
         }
-        profile, notes = self.with_unknown_response(*with_wider_limits(self.profile, least))
+        run_off = {f"{self.profile.mechanism}.limits.run_off": self.settings.limits.most_run_off}
+        usual_runs = profile_with(self.profile, run_off)
+        profile, notes = self.with_unknown_response(*with_wider_limits(usual_runs, least))
         usual, swing = self.settings.alarms.oscillation.amplitude, _SWING * stroke
         if swing > usual:
             key = "alarms.oscillation.amplitude"

@@ -1,6 +1,7 @@
 """What a chamber's pressure should be for its setpoints, and how far and how alike it is off."""
 
 import math
+from typing import Final
 
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 
@@ -9,6 +10,10 @@ LEAST_LAG = 2.0
 that it is slow."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
+_LINEAR: Final = 2.0
+"""Times the hysteresis that a regulator may be off by its linearity: 1 % of its range …"""
+_BENT: Final = 4e-2
+"""… and Pa/Pa by which that changes at most from one pressure to another, of a parabola."""
 
 
 class ChannelAnswers:
@@ -21,14 +26,14 @@ class ChannelAnswers:
 
     __slots__ = (
         "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "near_at", "off",
-        "power", "prompt", "prompt_rate", "quick", "quick_at", "quick_rate", "rate", "slow",
-        "slow_rate", "usual", "well_at",
+        "power", "prompt", "prompt_rate", "quick", "quick_at", "quick_rate", "rate", "rested",
+        "slow", "slow_rate", "unknown", "usual", "well_at",
     )  # fmt: skip
 
     def __init__(self, pressure: float, now: float) -> None:
-        self.expected = self.prompt = self.slow = self.quick = self.held = pressure
+        self.expected = self.prompt = self.slow = self.quick = self.held = self.rested = pressure
         self.rate = self.prompt_rate = self.slow_rate = self.quick_rate = 0.0
-        self.off = self.mean = self.usual = self.jump = 0.0
+        self.off = self.mean = self.usual = self.unknown = self.jump = 0.0
         self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
         self.well_at = self.quick_at = self.near_at = now
 
@@ -58,6 +63,28 @@ class ChannelAnswers:
         """Note how far a pressure is off the healthy ones, Pa: 0 between them."""
         late, prompt = self.expected, self.prompt
         self.off = max(pressure - max(late, prompt), 0.0) + min(pressure - min(late, prompt), 0.0)
+
+    def learn(
+        self, pressure: float, lag: float, usual: float, share: float, bounds: PressureBounds
+    ) -> None:
+        """Learn what is usual at rest, Pa, and how far it may be off that at higher pressures yet.
+
+        Parameters
+        ----------
+        pressure : float
+            Of this cycle, Pa.
+        lag : float
+            By which a slow one is behind a healthy one, Pa: a ramp tells nothing.
+        usual : float
+            Share of this cycle in what is usual.
+        share : float
+            Share of this cycle in what a slow one is compared by, which remembers as long.
+        """
+        if abs(lag) < bounds.loop:
+            self.usual += usual * (self.off - self.usual)
+            self.rested = max(self.rested, pressure)
+        unknown = min(_BENT * (pressure - self.rested), _LINEAR * bounds.loop)
+        self.unknown = max(unknown, self.unknown * (1.0 - share))
 
     def strays(self, pressure: float, setpoint: float, most: float) -> bool:
         """Return whether a pressure is more than `most`, Pa, beside all that a late answer passes.
@@ -91,9 +118,12 @@ class ChannelAnswers:
         return self.lag_mean > bounds.loop and self.likeness > 0.0
 
     def most_slow(self, bounds: PressureBounds) -> float:
-        """Return the permitted share: the hysteresis hides the more, the less there is to see."""
-        power = self.lag_power
-        return bounds.slow + bounds.loop / math.sqrt(power) if power > 0.0 else math.inf
+        """Return the permitted share: hysteresis hides the more, the less there is to see.
+
+        And at pressures at which it has not rested since its chamber was filled, its linearity.
+        """
+        power, hidden = self.lag_power, bounds.loop + self.unknown
+        return bounds.slow + hidden / math.sqrt(power) if power > 0.0 else math.inf
 
     def most_mean(self, bounds: PressureBounds) -> float:
         """Return how far the mean may be off what is usual, Pa."""

@@ -7,130 +7,38 @@ felt by the rods long before the monitor shows it, and a push is never shown.
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from itertools import pairwise
-from typing import Final, NamedTuple
+from typing import Final
 
+from rig.mechanisms.pneumatic.alarms.missing import (
+    CERTAIN,
+    LASTS,
+    LOOK,
+    Instant,
+    LastWay,
+    UnseenPull,
+    late_of,
+    missing_pull,
+    stands,
+)
 from rig.mechanisms.pneumatic.settings import SealFriction
 
-_LOOK: Final = 0.02
-"""Over this time before a limit was exceeded forces are balanced, s …"""
 _EMPTIED: Final = 15e3
 """A pressure that falls by so much meanwhile (Pa) as its rod is drawn out has lost air."""
 _KEPT: Final = 256
 """So many cycles are remembered: rods run from rest to a limit within 0.2 s …"""
 _OF_LATE: Final = 64
 """… and so many tell how encoders scatter."""
-_ENDS: Final = 0.004
-"""… with speeds over this time at its two ends, s."""
-_MOVED: Final = 0.5e-3
-"""A pair that has moved less than this (m) sticks, and its seals hold as much as they can."""
-_LEAST_FRICTION, _MOST_FRICTION = 0.8, 1.6
-"""Seals take so much of the profile's friction at least while they slide, and hold so much at
-most. E: with 0.6, as `rig tune` has it, a chamber that empties in mid-motion is not told."""
 _STUCK: Final = (
     ", or has more friction than the profile says (`rig calibrate RIG friction` measures it)"
 )
-"""What holds a pair that stands, beside air and hands."""
-_STEP: Final = 20e-6
-"""Ways shorter than this (m) are added up: encoder noise is no motion …"""
-_PASSED: Final = 256
-"""… and so many of them are remembered."""
-_SURE: Final = 0.7
-"""So much of the Coulomb friction is missing at least: less may be friction other than told."""
+"""What holds a pair that stands, beside air and hands …"""
+_SLIDES: Final = (
+    "; or its seals have far less friction than the profile says (`rig calibrate RIG friction`)"
+)
+"""… and what lets one go on that moves."""
 
 _Entry = tuple[float, Sequence[float], Sequence[float]]
 """Of a cycle: s, the rods, m, and the pressures, Pa gauge."""
-
-
-class Instant(NamedTuple):
-    """Readings of one cycle.
-
-    Parameters
-    ----------
-    t : float
-        s.
-    place : float
-        Of the pair, m.
-    pull : float
-        Of its agonist less that of its antagonist, as the monitors say, N.
-    """
-
-    t: float
-    place: float
-    pull: float
-
-
-def missing_pull(
-    history: Sequence[Instant], mass: float, friction: SealFriction, *, sticks: bool = False
-) -> float:
-    """Return the force that the monitors and the seals leave unexplained, N; 0: nothing.
-
-    While the pair moves, by the energy that it has gained and its seals have taken at least,
-    over what the monitors' pull has done. While it sticks, by what its seals can hold at most.
-
-    Parameters
-    ----------
-    history : sequence of Instant
-        Of every cycle, the latest last.
-    mass : float
-        That the pair moves, kg.
-    friction : SealFriction
-        As the profile has it.
-    sticks : bool
-        Only if it sticks. A pair that slides fast has other pressures than late monitors say.
-    """
-    late = _late(history)
-    if not late or late[-1].t - late[0].t < 2.0 * _ENDS:
-        return 0.0
-    way = late[-1].place - late[0].place
-    if _stands(late):
-        held = sum(instant.pull for instant in late) / len(late)
-        missing, sign = abs(held) - _MOST_FRICTION * friction.breakaway, -held
-    elif sticks:
-        return 0.0
-    else:
-        missing, sign = _unexplained_energy(late, mass, friction) / abs(way), way
-    return math.copysign(missing, sign) if missing > _SURE * friction.coulomb else 0.0
-
-
-def _late(history: Sequence[Instant]) -> list[Instant]:
-    """Return the instants over which forces are balanced."""
-    return [instant for instant in history if instant.t >= history[-1].t - _LOOK]
-
-
-def _stands(late: Sequence[Instant]) -> bool:
-    """Return whether a pair has not moved over some instants."""
-    return abs(late[-1].place - late[0].place) < _MOVED
-
-
-class _Way:
-    """Work of the monitors' pull on a pair's last half millimetre, however slow that was."""
-
-    def __init__(self) -> None:
-        self._work = 0.0
-        self._passed: deque[tuple[float, float]] = deque(maxlen=_PASSED)
-
-    def note(self, place: float, pull: float) -> None:
-        """Take a place, m, and the pull there, N."""
-        passed = self._passed
-        if not passed:
-            passed.append((place, 0.0))
-            return
-        way = place - passed[-1][0]
-        if abs(way) < _STEP:
-            return
-        self._work += pull * way
-        passed.append((place, self._work))
-
-    def missing(self, friction: SealFriction) -> float:
-        """Return the force that moved it beside the pull, N, as `missing_pull` does."""
-        for then, before in reversed(self._passed):
-            now, done = self._passed[-1]
-            way = now - then
-            if abs(way) >= _MOVED:  # what only gives takes nothing: net ways count
-                missing = _LEAST_FRICTION * friction.coulomb - (done - before) / abs(way)
-                return math.copysign(missing, way) if missing > _SURE * friction.coulomb else 0.0
-        return 0.0
 
 
 class PullBalance:
@@ -173,18 +81,33 @@ class PullBalance:
         self._pairs, self._channels = tuple(pairs), tuple(channels)
         self._device, self._moved = device, moved
         self._history: deque[_Entry] = deque(maxlen=_KEPT)
-        self._ways = [_Way() for _ in self._pairs]
+        self.restart()
 
     def restart(self) -> None:
         """Forget the past: a new motion starts."""
         self._history.clear()
-        self._ways = [_Way() for _ in self._pairs]
+        self._ways = [LastWay() for _ in self._pairs]
+        self._unseen = [UnseenPull(self._mass, self._friction) for _ in self._pairs]
 
     def note(self, now: float, rods: Sequence[float], pressures: Sequence[float]) -> None:
         """Take a cycle's rods (m, run in) and what the monitors say, Pa gauge."""
         self._history.append((now, rods, pressures))
-        for pair, way in zip(self._pairs, self._ways, strict=True):
-            way.note(*self._place_and_pull(pair, rods, pressures))
+        for pair, way, unseen in zip(self._pairs, self._ways, self._unseen, strict=True):
+            instant = Instant(now, *self._place_and_pull(pair, rods, pressures))
+            way.note(instant.place, instant.pull)
+            unseen.note(instant)
+
+    def explain_unseen(self) -> str | None:
+        """Return why a pair moves on that its pressures do not drive; None: none does for long."""
+        if not any(unseen.lasts for unseen in self._unseen):
+            return None
+        cause = self.explain()
+        least = CERTAIN * self._friction.coulomb
+        return cause and f"{cause}{_SLIDES} [{least:.2g} N for {LASTS * 1e3:g} ms, while it moves]"
+
+    def runs(self, pair: int = 0) -> bool:
+        """Return whether a pair has gone farther of late than one that is led."""
+        return self._unseen[pair].runs
 
     @property
     def rods(self) -> list[Sequence[float]]:
@@ -207,12 +130,12 @@ class PullBalance:
         if not short:
             return None
         began = min(when for when, _, _ in short)
-        found = [(missing, pair) for when, missing, pair in short if when < began + 0.5 * _LOOK]
+        found = [(missing, pair) for when, missing, pair in short if when < began + 0.5 * LOOK]
         found.sort(key=lambda one: -abs(one[0]))
         weak = " or ".join(
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
-        stuck = _STUCK if _stands(_late(self._instants(found[0][1]))) else ""
+        stuck = _STUCK if stands(late_of(self._instants(found[0][1]))) else ""
         return (
             f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
             f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
@@ -231,7 +154,7 @@ class PullBalance:
         pair : int
             Its number.
         """
-        late = _late(self._instants(self._pairs[pair]))
+        late = late_of(self._instants(self._pairs[pair]))
         if not late:
             return None
         pull = sum(instant.pull for instant in late) / len(late)
@@ -261,15 +184,17 @@ class PullBalance:
         )
 
     def drives(self, off: float, pair: int) -> bool:
-        """Return whether a pair's own pressures pull it to where it is off, beyond its friction.
+        """Return whether a pair's own pressures pull it to where it is off, and nothing beside.
 
-        Parameters as `explain_off`.
+        Beyond its friction, and with the energy that it has got. Parameters as `explain_off`.
         """
-        late = _late(self._instants(self._pairs[pair]))
+        late = late_of(self._instants(self._pairs[pair]))
         if not late:
             return False
         pull = sum(instant.pull for instant in late) / len(late)
-        return math.copysign(1.0, off) * pull > self._friction.coulomb
+        if math.copysign(1.0, off) * pull <= self._friction.coulomb:
+            return False
+        return off * missing_pull(late, self._mass, self._friction) <= 0.0
 
     def explain_strayed(self, off: float, pair: int = 0, *, ran: bool, lasted: bool) -> str | None:
         """Return why a pair has strayed from its reference; parameters as `explain_off`.
@@ -282,8 +207,8 @@ class PullBalance:
         ran, lasted : bool
             Whether it has run there by itself, and has had the time to come to rest.
         """
-        late = _late(self._instants(self._pairs[pair]))
-        if ran and not (lasted and late and _stands(late)):
+        late = late_of(self._instants(self._pairs[pair]))
+        if ran and not (lasted and late and stands(late)):
             return self.explain_gone(off, pair)
         return self.explain_off(off, pair) or self.explain_crept(pair)
 
@@ -301,7 +226,7 @@ class PullBalance:
         pair : int
             Its number.
         """
-        late = [entry for entry in self._history if entry[0] >= self._history[-1][0] - _LOOK]
+        late = [entry for entry in self._history if entry[0] >= self._history[-1][0] - LOOK]
         if not late:
             return None
         (_, rods_then, then), (_, rods_now, now) = late[0], late[-1]
@@ -333,15 +258,15 @@ class PullBalance:
         history, first = self._instants(pair, math.inf), (0.0, 0.0)
         while history:
             missing = missing_pull(history, self._mass, self._friction)
-            late = _late(history)
+            late = late_of(history)
             if missing:
                 first = late[0].t, missing
             del history[1 - len(late) :]  # all of it, where the one before is long ago
-            if history and _stands(_late(history)):
+            if history and stands(late_of(history)):
                 break
         return first
 
-    def _instants(self, pair: tuple[int, int], over: float = _LOOK) -> list[Instant]:
+    def _instants(self, pair: tuple[int, int], over: float = LOOK) -> list[Instant]:
         """Return the last instants of a pair, over a time (s)."""
         instants: list[Instant] = []
         for t, rods, pressures in reversed(self._history):
@@ -360,22 +285,3 @@ class PullBalance:
             beside = [0.5 * (rods[a] - rods[b]) for a, b in self._pairs if a != one]
             pull += self._falls(place, *beside) * sum(pressures) / len(pressures)
         return place, self._area * pull
-
-
-def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:
-    """Return the energy that a sliding pair has got and not from the monitors' pull, J."""
-    done = taken = 0.0
-    for before, after in pairwise(late):
-        way = after.place - before.place
-        done += 0.5 * (before.pull + after.pull) * way
-        drag = friction.coulomb + friction.viscous * abs(way) / (after.t - before.t)
-        taken += _LEAST_FRICTION * drag * abs(way)
-    fast, slow = _speed(late[::-1]), _speed(late)
-    return 0.5 * mass * (fast * fast - slow * slow) + taken - done
-
-
-def _speed(instants: Sequence[Instant]) -> float:
-    """Return the mean speed over the first of some instants, m/s."""
-    first = instants[0]
-    other = next(one for one in instants if abs(one.t - first.t) >= _ENDS)
-    return (other.place - first.place) / (other.t - first.t)

@@ -170,7 +170,7 @@ class PressureWatch:
             jump = max(channel.jump, abs(off - before))
             channel.jump = 0.0 if -most < off - channel.usual < most else jump
             channel.mean += mean * (off - channel.mean)
-            channel.usual += (usual if abs(lag) < bounds.loop else 0.0) * (off - channel.usual)
+            channel.learn(pressure, lag, usual, share, bounds)
             channel.lag_mean += mean * (abs(lag) - channel.lag_mean)
             if not channel.compare(lag, share, bounds):
                 channel.quick_at = now

@@ -14,6 +14,7 @@ from rig.hal import LimitExceeded, SafetyError
 from rig.hal.hindsight import STICKS
 from rig.hal.motion import Note
 from rig.mechanisms.pneumatic.alarms.rests import RodRests
+from rig.mechanisms.pneumatic.alarms.runs_off import RunsOff
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 
 _HELD = 0.05
@@ -186,6 +187,8 @@ class TrackingWatch:
         For how long, and what is an oscillation.
     start : float
         How far each may go within 10 ms while nothing is controlled, m.
+    run_off : float, optional
+        How far each may be off by its own motion, m; twice `following` without one.
     """
 
     def __init__(
@@ -194,9 +197,11 @@ class TrackingWatch:
         following: float,
         alarm: OscillationAlarm,
         start: float = START,
+        run_off: float | None = None,
     ) -> None:
         self._names, self._start = tuple(names), start
         self._following = following
+        self._run_off = 2.0 * following if run_off is None else run_off
         self._alarm = alarm
         self._most_sticking = alarm.sticking * alarm.amplitude
         self._stuck = 0.0, ""
@@ -208,8 +213,7 @@ class TrackingWatch:
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed: list[tuple[float, float] | None] = [None] * len(self._names)
         """When each was last near enough, s, and where it was, m."""
-        self._driven: set[int] = set()
-        """Which of them were found to have been driven off since then."""
+        self._runs_off = RunsOff(len(self._names), self._run_off)
         self._rests = [RodRests() for _ in self._names]
         self._stood: deque[tuple[float, Sequence[float]]] = deque()
         """Where they were of late while nothing was controlled: s, m."""
@@ -251,16 +255,14 @@ class TrackingWatch:
             error = measured[k] - goal
             rests = self._rests[k]
             rests.update(measured[k], now)
-            followed = self._followed[k]
-            if -following <= error <= following or followed is None:
-                self._followed[k] = now, measured[k]
-                self._driven.discard(k)
-            else:
-                try:
-                    self._check_far(k, error, measured[k], now, followed, held, driven)
-                except Strayed as strayed:
-                    strayed.offs = [at - to for at, to in zip(measured, wanted, strict=True)]
-                    raise
+            try:
+                if self._runs_off.has_run(k, error, measured[k], driven):
+                    what = f"following error of {self._names[k]} that its own motion brought about"
+                    raise self._strayed(what, k, error, self._run_off, ran=True)
+                self._check_far(k, error, measured[k], now, held)
+            except Strayed as strayed:
+                strayed.offs = [at - to for at, to in zip(measured, wanted, strict=True)]
+                raise
             frequency = swings.update(goal, error, now)
             if frequency is None:
                 continue
@@ -279,24 +281,16 @@ class TrackingWatch:
         return (Note(STICKS, sentence),) if sentence else ()
 
     def _check_far(
-        self,
-        k: int,
-        error: float,
-        measured: float,
-        now: float,
-        followed: tuple[float, float],
-        held: Callable[[], str | None],
-        driven: Callable[[int, float], bool],
+        self, k: int, error: float, place: float, now: float, held: Callable[[], str | None]
     ) -> None:
-        """Raise if a rod that is too far off has run there, or is so for too long."""
+        """Raise if a rod is too far off for too long."""
+        following, followed = self._following, self._followed[k]
+        if -following <= error <= following or followed is None:
+            self._followed[k] = now, place
+            return
         since, left_at = followed
-        following, name = self._following, self._names[k]
-        way = measured - left_at if error > 0.0 else left_at - measured
-        if abs(error) > 2.0 * following and way > following and k not in self._driven:
-            if not driven(k, error):
-                what = f"following error of {name} that its own motion brought about"
-                raise self._strayed(what, k, error, 2.0 * following, ran=True)
-            self._driven.add(k)
+        way = place - left_at if error > 0.0 else left_at - place
+        name = self._names[k]
         if now - since > self._alarm.lost:
             ran = way > 0.5 * (abs(error) - following)
             what = f"following error of {name} for {now - since:.3g} s"
