@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.hal.formats import format_against
 from rig.hal.hazards import Hazard
 
 Samples = NDArray[np.float64]
@@ -36,9 +37,10 @@ class Violation(NamedTuple):
 
     def __str__(self) -> str:
         of = "" if self.hazard == self.column else f" of {self.column}"
+        worst, bound = format_against(self.worst, self.bound, self.unit)
         return (
-            f"{self.hazard}{of}: {self.worst:.4g} {self.unit} beyond {self.bound:.4g} {self.unit} "
-            f"(the limit with its margin), first at {self.t:.3f} s"
+            f"{self.hazard}{of}: {worst} beyond {bound} (the limit with its margin), first at "
+            f"{self.t:.3f} s"
         )
 
 
