@@ -26,6 +26,12 @@ class Equivalent(NamedTuple):
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/missing.py",
+        "lost.append(lost[-1] + _lost_between(late[-1], instant, self._friction) if late else 0.0)",
+        "0.0 -> 1.0",
+        "only the difference of two of them counts",
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/alarms/runs_off.py",
         "way = place - left_at if error > 0.0 else left_at - place",
         "error > 0.0 -> error >= 0.0",
@@ -158,12 +164,6 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
                 "a run is found to begin a few milliseconds early or late",
             ),
         )
-    ),
-    Equivalent(
-        "rig/mechanisms/pneumatic/alarms/missing.py",
-        "done = taken = 0.0",
-        "0.0 -> 1.0",
-        "both begin there, and only their difference counts",
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/scatter.py",

@@ -182,3 +182,22 @@ def test_what_was_twenty_milliseconds_ago_counts_yet():
     for t in (5.004, 5.0079):
         at(late, t, 1.0, 0.0)
     assert not at(late, 5.0079 + 0.0001, 1.0, 0.0).lasts, "the time since counts, not the time"
+
+
+def test_two_readings_of_one_time_take_no_friction():
+    watch = UnseenPull(MASS, PLAIN)
+    for k in range(30):
+        for share in (0.0, 1.0):  # half of the way, in no time
+            at(watch, k * CYCLE, (k + share) * 2.0**-12, 20.0)
+    assert not watch.lasts
+
+
+def test_what_was_lost_before_does_not_count():
+    """A long way without any pull, a rest, and an even motion that its pull explains."""
+    watch, friction = UnseenPull(MASS, FRICTION), 0.8 * (FRICTION.coulomb + 0.1 * FRICTION.viscous)
+    for k in range(60):
+        at(watch, k * CYCLE, k * 0.1 * CYCLE)
+    assert watch.lasts
+    for k in range(60, 120):
+        at(watch, k * CYCLE, k * 0.1 * CYCLE, friction)
+    assert not watch.lasts

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Reversible, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -137,19 +137,23 @@ class UnseenPull:
     def __init__(self, mass: float, friction: SealFriction) -> None:
         self._mass, self._friction = mass, friction
         self._late: deque[Instant] = deque()
+        self._lost: deque[float] = deque()
+        """What its seals have taken at least and its pull has not done, up to each of these, J."""
         self._since: float | None = None
 
     def note(self, instant: Instant) -> None:
         """Take a cycle's readings."""
-        late = self._late
+        late, lost = self._late, self._lost
+        lost.append(lost[-1] + _lost_between(late[-1], instant, self._friction) if late else 0.0)
         late.append(instant)
         while instant.t - late[0].t > LOOK:
             late.popleft()
+            lost.popleft()
         way = abs(instant.place - late[0].place)
         if way < MOVED or instant.t - late[0].t < 2.0 * _ENDS:
             self._since = None
             return
-        missing = _unexplained_energy(late, self._mass, self._friction) / way
+        missing = (_gained(late, self._mass) + lost[-1] - lost[0]) / way
         if missing < CERTAIN * self._friction.coulomb:
             self._since = None
         elif self._since is None:
@@ -169,19 +173,28 @@ class UnseenPull:
 
 def _unexplained_energy(late: Sequence[Instant], mass: float, friction: SealFriction) -> float:
     """Return the energy that a sliding pair has got and not from the monitors' pull, J."""
-    done = taken = 0.0
-    for before, after in pairwise(late):
-        way = after.place - before.place
-        done += 0.5 * (before.pull + after.pull) * way
-        drag = friction.coulomb + friction.viscous * abs(way) / (after.t - before.t)
-        taken += _LEAST_FRICTION * drag * abs(way)
-    fast, slow = _speed(reversed(late)), _speed(late)
-    return 0.5 * mass * (fast * fast - slow * slow) + taken - done
+    lost = sum(_lost_between(before, after, friction) for before, after in pairwise(late))
+    return _gained(late, mass) + lost
 
 
-def _speed(instants: Iterable[Instant]) -> float:
+def _lost_between(before: Instant, after: Instant, friction: SealFriction) -> float:
+    """Return what seals have taken at least, less what the monitors' pull has done, J."""
+    way, time = after.place - before.place, after.t - before.t
+    done = 0.5 * (before.pull + after.pull) * way
+    if not time > 0.0:
+        return -done
+    drag = friction.coulomb + friction.viscous * abs(way) / time
+    return _LEAST_FRICTION * drag * abs(way) - done
+
+
+def _gained(late: Reversible[Instant], mass: float) -> float:
+    """Return the kinetic energy that a pair has got over some instants, J."""
+    fast, slow = _speed(reversed(late)), _speed(iter(late))
+    return 0.5 * mass * (fast * fast - slow * slow)
+
+
+def _speed(instants: Iterator[Instant]) -> float:
     """Return the mean speed over the first of some instants, m/s."""
-    others = iter(instants)
-    first = next(others)
-    other = next(one for one in others if abs(one.t - first.t) >= _ENDS)
+    first = next(instants)
+    other = next(one for one in instants if abs(one.t - first.t) >= _ENDS)
     return (other.place - first.place) / (other.t - first.t)
