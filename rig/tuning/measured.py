@@ -113,8 +113,8 @@ def loop_teller(profile: Profile) -> Callable[[RunData, object], MeasuredLoop]:
     found = REGISTRY.measured_loop(profile.mechanism)
     if found is None:
         raise ConfigurationError(
-            f"the loop of a {profile.mechanism} cannot be measured: nothing is known that shakes "
-            "one of its loops alone (its row names no `measured_loop`); what a linear model says "
+            f"the loops of {profile.mechanism} cannot be measured: nothing is known that shakes "
+            "one of them alone (its row names no `measured_loop`); what a linear model says "
             f"of it, as calibrated, is printed by `rig check {profile.argument}`, and which plants "
             f"its gains bear by `rig tune {profile.argument} --dry-run`"
         )

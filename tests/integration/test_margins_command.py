@@ -105,7 +105,7 @@ def test_gains_that_are_softer_than_before_stay_in_force(place, capfd):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("margins", "joint"), "the loop of a joint cannot be measured"),
+        (("margins", "legs"), "the loops of legs cannot be measured"),
         (("margins", "cylindre"), "cylinder"),
         (("margins", "cylinder", "--controller", "pidd"), "no controller is called 'pidd'"),
     ],

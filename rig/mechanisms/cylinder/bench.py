@@ -23,10 +23,10 @@ from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.mechanisms.cylinder.probe import Probe
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase, Step
 from rig.mechanisms.cylinder.settings import CylinderSettings
-from rig.mechanisms.cylinder.shaken_pair import ShakenLaw, ShakenPair
 from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
+from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
 from rig.mechanisms.pneumatic.valves.bench import dead_time_of, on_regulators, spools_told
 from rig.mechanisms.pneumatic.valves.unknowns import VALVE_UNKNOWNS
@@ -113,7 +113,7 @@ class PairBench(TuningBench):
         if self._probe is None:
             return None
         law = self._law_of(chosen)
-        shaken = ShakenLaw(law, self._probe)
+        shaken = ShakenLaw(law, self._probe.frequencies)
         return [self._measured(law, shaken, self._probe, *plant) for plant in plants]
 
     def _measured(
@@ -129,7 +129,7 @@ class PairBench(TuningBench):
             for _, first, end in of.stretches
         ]
         try:
-            return ShakenPair(probe, glides).under(shaken).margins
+            return ShakenPair(probe.frequencies, glides).under(shaken).margins
         except ValueError:
             return _UNKNOWN
 

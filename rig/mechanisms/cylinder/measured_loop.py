@@ -1,7 +1,7 @@
 """The loop of a pair, measured: from a run of the reference ``probe``.
 
 One run tells the loop of the law that ran, and of the same law with other gains: see
-`rig.mechanisms.cylinder.shaken_pair`.
+`rig.mechanisms.pneumatic.shaken_pair`.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from rig.config import load_experiment
 from rig.hal import ConfigurationError
 from rig.hal.measured_loop import Array, MeasuredLoop
 from rig.mechanisms.cylinder.probe import Probe
-from rig.mechanisms.cylinder.shaken_pair import ShakenLaw, ShakenPair
+from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
 
 if TYPE_CHECKING:
     from rig.report.data import RunData
@@ -49,11 +49,11 @@ def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
     if not isinstance(law, PairLaw):
         raise ConfigurationError(f"what is linear of {type(law).__name__} is not known")
     try:
-        pair = ShakenPair(settings, _glides(run))
+        pair = ShakenPair(settings.frequencies, _glides(run))
     except ValueError as error:
         raise ConfigurationError(f"{run.folder.path}: {error}") from error
     try:
-        return pair.under(ShakenLaw(law, settings))
+        return pair.under(ShakenLaw(law, settings.frequencies))
     except ValueError as error:
         raise ConfigurationError(
             f"{error}: the pair sticks, or swings by itself, while it glides"

@@ -53,7 +53,7 @@ PARTS = MechanismParts(
         f"{_HERE}.figures:PAIR_FIGURES",
         f"{_HERE}.step_figure:STEP_FIGURES",
         f"{_HERE}.frequency_figure:PAIR_RESPONSE",
-        f"{_HERE}.margins_figure:MARGINS_FIGURES",
+        "rig.mechanisms.pneumatic.margins_figure:MARGINS_FIGURES",
     ),
     comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
     procedures=(

@@ -13,6 +13,7 @@ PARTS = MechanismParts(
     view=f"{_HERE}.mechanism:SphericalJoint",
     scene=f"{_HERE}.scene:JointScene",
     bench=f"{_HERE}.bench:JointBench",
+    measured_loop=f"{_HERE}.measured_loop:loop_of_run",
     commissioning=f"{_HERE}.commissioning:steps",
     controllers={
         "pid": f"{_LAWS}:JointPid",
@@ -24,6 +25,7 @@ PARTS = MechanismParts(
         "joint-circle": f"{_HERE}.references.circle:JointCircle",
         "joint-poses": f"{_HERE}.references.poses:JointPoses",
         "joint-spiral": f"{_HERE}.references.sweeps:JointSpiral",
+        "joint-probe": f"{_HERE}.references.probe:JointProbe",
         "joint-stiffness": f"{_HERE}.references.sweeps:JointStiffness",
     },
     plants={
@@ -56,6 +58,7 @@ PARTS = MechanismParts(
         f"{_HERE}.figures.health:HEALTH_FIGURES",
         f"{_HERE}.figures.maps:MAP_FIGURES",
         f"{_HERE}.figures.repeatability:REPEATABILITY_FIGURES",
+        "rig.mechanisms.pneumatic.margins_figure:MARGINS_FIGURES",
     ),
     comparisons=(f"{_HERE}.comparison:JOINT_COMPARISON",),
     procedures=(

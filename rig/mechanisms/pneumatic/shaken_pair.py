@@ -1,4 +1,4 @@
-"""A pair as a shake of `Probe` shows it: what a law reads of it over what the law sends.
+"""A pair as a shake shows it: what a law reads of it over what the law sends.
 
 Position and difference of the pressures over the difference of the setpoints are the pair, whatever
 shakes it, as the shake is none of its noise. Around it a law is known to rounding: it is a program.
@@ -17,7 +17,6 @@ import numpy as np
 from controllers.cylinder.law import AnyPairLaw
 from controllers.cylinder.margins import measured_loop, modelled_loop
 from rig.hal.measured_loop import Array, Complex, MeasuredLoop
-from rig.mechanisms.cylinder.probe import Probe
 
 FEWEST: Final = 6
 """Glides from which an interval can be told."""
@@ -28,12 +27,12 @@ _SCATTER: Final = 0.5
 
 
 class ShakenPair:
-    """A pair as the glides of a `Probe` show it.
+    """A pair as `ShakenGlides` show it.
 
     Parameters
     ----------
-    probe : Probe
-        What it followed.
+    frequencies : ndarray, shape (k,)
+        Of the shake, Hz.
     glides : iterable of (ndarray, ndarray)
         Of each the times since the shake's period began (s), and what was sent and read then,
         shape (n, 3): difference of the setpoints (Pa), position (m), difference of the pressures
@@ -45,8 +44,8 @@ class ShakenPair:
         They are too few.
     """
 
-    def __init__(self, probe: Probe, glides: Iterable[tuple[Array, Array]]) -> None:
-        self.frequencies = np.array(probe.harmonics) / probe.period
+    def __init__(self, frequencies: Array, glides: Iterable[tuple[Array, Array]]) -> None:
+        self.frequencies = frequencies
         parts: list[Complex] = []
         before, told = np.empty(0), np.empty(0, complex)
         for t, signals in glides:
@@ -83,12 +82,12 @@ class ShakenLaw:
     ----------
     law : PairLaw
         It is not changed, and need not be the one that ran.
-    probe : Probe
-        The shake.
+    frequencies : ndarray, shape (k,)
+        Hz.
     """
 
-    def __init__(self, law: AnyPairLaw, probe: Probe) -> None:
-        f = np.array(probe.harmonics) / probe.period
+    def __init__(self, law: AnyPairLaw, frequencies: Array) -> None:
+        f = frequencies
         one, none = np.ones(len(f), complex), np.zeros(len(f), complex)
         self._by_position = measured_loop(law, f, np.column_stack([one, none]))
         self._by_pressure = measured_loop(law, f, np.column_stack([none, one]))

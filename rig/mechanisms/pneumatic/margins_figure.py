@@ -15,12 +15,11 @@ if TYPE_CHECKING:
 
 def draw_margins(run: RunData) -> "Figure | None":
     """Draw the loop of the law that ran; None where the run does not tell it."""
-    from rig.mechanisms.cylinder.measured_loop import loop_of_run
-
     try:
         profile = load_profile(run.folder.path / "profile.yaml", REGISTRY)
+        tell = REGISTRY.measured_loop(profile.mechanism)
         law = make_law(profile, str(run.folder.manifest["law"]))
-        return draw_loops({"in force": loop_of_run(run, law)})
+        return None if tell is None else draw_loops({"in force": tell(run, law)})
     except (RigError, OSError, KeyError):
         return None
 

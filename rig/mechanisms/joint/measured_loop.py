@@ -1,0 +1,97 @@
+"""The loop of one pair of the joint, measured: from a run of the reference ``joint-probe``.
+
+The law of a pair sees its two rods and the force to which the four tensions amount, and sends such
+a force; so does this. The pair is the one that the motion moves more.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from controllers.spherical_joint.geometry import PAIRS
+from controllers.spherical_joint.pose_control import PoseController
+from controllers.spherical_joint.poses import natural_rotation
+from controllers.spherical_joint.tension import TensionDistribution
+from rig.assembly import REGISTRY
+from rig.calibration.arrays import between_rows
+from rig.config import load_experiment, load_profile
+from rig.hal import ConfigurationError
+from rig.hal.measured_loop import Array, MeasuredLoop
+from rig.mechanisms.joint.columns import CHANNELS
+from rig.mechanisms.joint.references.probe import JointProbe
+from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
+
+if TYPE_CHECKING:
+    from rig.report.data import RunData
+
+_ROUNDING: Final = 1e-6
+"""s, of the times of cycles."""
+_POSE_EVERY: Final = 10
+"""Cycles between two poses for which the distribution of tensions is worked out."""
+
+
+def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
+    """Return the loop that a law closes around a pair in a run.
+
+    Parameters
+    ----------
+    run : RunData
+        Of the reference ``joint-probe``.
+    law : object
+        Made for that rig; it is not changed, and need not be the one that ran.
+
+    Raises
+    ------
+    ConfigurationError
+        The run or the law does not tell it.
+    """
+    path = run.folder.path
+    probe = load_experiment(path / "experiment.yaml", REGISTRY).reference.settings
+    if not isinstance(probe, JointProbe):
+        raise ConfigurationError(f"{path}: its reference is no joint-probe")
+    if not isinstance(law, PoseController):
+        raise ConfigurationError(f"what is linear of {type(law).__name__} is not known")
+    settings = load_profile(path / "profile.yaml", REGISTRY).mechanism_settings
+    assert isinstance(settings, JointSettings)
+    try:
+        pair = ShakenPair(probe.frequencies, _glides(run, settings))
+        return pair.under(ShakenLaw(law.pair_law, probe.frequencies))
+    except ValueError as error:
+        raise ConfigurationError(
+            f"{path}: {error}: the ring sticks, or swings by itself, while it glides"
+        ) from error
+
+
+def _glides(run: "RunData", settings: JointSettings) -> Iterator[tuple[Array, Array]]:
+    """Yield times, and what was sent and read of the pair that moves, of each whole glide."""
+    t = run.time
+    rods = _columns(run, "reading.rod_")
+    places = [0.5 * (rods[:, one] - rods[:, other]) for one, other in PAIRS]
+    number = int(np.argmax([np.ptp(place) for place in places]))
+    sent, pressed = (
+        _forces(run, _columns(run, kind), settings, number)
+        for kind in ("applied.", "reading.pressure_")
+    )
+    signals = np.column_stack([sent, places[number], pressed])
+    for segment in run.segments:
+        if segment.name.startswith("glide") and t[-1] >= segment.end:
+            part = (t >= segment.start - _ROUNDING) & (t < segment.end - _ROUNDING)
+            yield t[part] - segment.start, signals[part]
+
+
+def _columns(run: "RunData", kind: str) -> Array:
+    return np.column_stack([run.trace(f"{kind}{channel}") for channel in CHANNELS])
+
+
+def _forces(run: "RunData", pressures: Array, settings: JointSettings, number: int) -> Array:
+    """Return the force of a pair over the area, Pa, to which four pressures amount, shape (n,)."""
+    axis = np.column_stack([run.trace(f"estimate.encoder_marker_{name}") for name in "xyz"])
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    at = TensionDistribution(settings.geometry).at
+    places = np.arange(0, len(axis), _POSE_EVERY)
+    poses = [at(natural_rotation((x, y, z))) for x, y, z in axis[places].tolist()]
+    rows = np.array([(pose.first, pose.second)[number] for pose in poses])
+    weights = between_rows(rows, places, np.arange(len(axis)))
+    return np.asarray((weights * pressures).sum(axis=1))

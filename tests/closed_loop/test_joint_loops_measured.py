@@ -1,0 +1,72 @@
+"""The loop of a joint's pair that is measured while the ring glides, on plants that differ."""
+
+import random
+
+import pytest
+
+from rig.assembly import REGISTRY, Backend, make_law
+from rig.config import load_profile
+from rig.config.names import find_configs
+from rig.experiment.plan import load_plan
+from rig.experiment.run import run_experiment
+from rig.hal import ConfigurationError
+from rig.mechanisms.joint.measured_loop import loop_of_run
+from rig.report.data import load_run
+
+DRAWN = random.Random(3317)
+SEEDS = [DRAWN.randrange(10_000) for _ in range(2)]
+
+
+def recorded(folder, *options, rig="joint"):
+    plan = load_plan("joint-margins", options, rig=rig)
+    return run_experiment(plan, Backend.SIM, folder, report=False)
+
+
+def loop_of(result, *options, law="cascade"):
+    assert result.exit_code in (0, 1), result.message
+    run = load_run(result.path)
+    return loop_of_run(run, make_law(load_profile(run.folder.path / "profile.yaml", REGISTRY,
+                                                  options), law))  # fmt: skip
+
+
+@pytest.mark.parametrize("azimuth", ["0 deg", "90 deg"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_dead_time_that_nobody_told_is_taken_from_the_delay_margin(seed, azimuth, tmp_path):
+    """Of either pair; of 10 ms at least 2: a ring whose air comes late is slower as well."""
+    unit = (f"simulation.seed={seed}", f"reference.azimuth={azimuth}")
+    was, late = (
+        loop_of(recorded(tmp_path / f"{time}", *unit, f"plant.regulator.dead_time={time} ms"))
+        for time in (5, 15)
+    )
+    assert was.margins.delay - late.margins.delay > 2e-3
+    assert late.margins.sensitivity > 1.05 * was.margins.sensitivity
+    assert was.margins.crossover == pytest.approx(26.0, rel=0.15)  # rad/s; linear model: 36
+    assert 1.7 < was.margins.sensitivity < 3.0
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_gains_that_a_run_foretells_to_swing_do(seed, tmp_path):
+    """With less of both rates the linear model has a loop that is calmer, and the ring swings."""
+    gains = load_profile("joint", REGISTRY, (), find_configs(None)).controllers["cascade"].pair
+    soft = (
+        f"controllers.cascade.pair.position_rate={0.7 * gains.position_rate}",
+        f"controllers.cascade.pair.velocity_rate={0.8 * gains.velocity_rate}",
+    )
+    unit = f"simulation.seed={seed}"
+    before = recorded(tmp_path / "before", unit)
+    foretold = loop_of(before, *soft).margins
+    assert foretold.sensitivity > 1.5 * loop_of(before).margins.sensitivity
+    assert recorded(tmp_path / "soft", unit, *soft).exit_code != 0
+
+
+def test_what_tells_no_loop_is_a_sentence(tmp_path):
+    short = ("reference.tones=[{frequency: 0.5 Hz, laps: 1}]", "metrics={}", "figures=[]")
+    plan = load_plan("joint-circle", short)
+    run = load_run(run_experiment(plan, Backend.SIM, tmp_path / "circle", report=False).path)
+    with pytest.raises(ConfigurationError, match="its reference is no joint-probe"):
+        loop_of_run(run, object())
+    probed = recorded(tmp_path / "few", "reference.repeats=2")
+    with pytest.raises(ConfigurationError, match="4 whole glides, and 6 are needed"):
+        loop_of(probed)
+    with pytest.raises(ConfigurationError, match="what is linear of object is not known"):
+        loop_of_run(load_run(probed.path), object())
