@@ -46,7 +46,7 @@ def test_dead_time_that_nobody_told_is_taken_from_the_delay_margin(seed, azimuth
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_gains_that_a_run_foretells_to_swing_do(seed, tmp_path):
-    """With less of both rates the linear model has a loop that is calmer, and the ring swings."""
+    """With less of both rates the linear model has a longer delay margin, and the ring swings."""
     gains = load_profile("joint", REGISTRY, (), find_configs(None)).controllers["cascade"].pair
     soft = (
         f"controllers.cascade.pair.position_rate={0.7 * gains.position_rate}",
