@@ -1,14 +1,15 @@
 """When each fault of a case could first be seen."""
 
 from collections.abc import Sequence
+from math import inf
 
 from rig.faults.case import Break
 from rig.faults.kind import Must, Samples, Sizes, at_once
 from rig.faults.subject import Subject
 
 SHOWN = 0.5
-"""s: so long what only motion shows has to show, before the loop ends, to be wanted seen. The time
-in which a row wants it seen begins with the fault, and counts the stop that moves everything."""
+"""s: so long what only motion shows has to show, before the rig is told to stop or in that stop, to
+be wanted seen. An orderly stop may leave a pair where it stands, and its seals hold it there."""
 
 
 class Felt:
@@ -66,7 +67,12 @@ class Felt:
             self._at[k] = now
 
     def shown(
-        self, columns: Sequence[str], times: Samples, rows: Samples, until: float
+        self,
+        columns: Sequence[str],
+        times: Samples,
+        rows: Samples,
+        until: float,
+        stops: float = inf,
     ) -> tuple[float | None, ...]:
         """Return `times` by what is true: what had nothing to act on was not felt.
 
@@ -82,8 +88,10 @@ class Felt:
             What was true then.
         until : float
             When the program's loop ended, s.
+        stops : float
+            When it was told to end, s.
         """
-        found = []
+        found: list[float | None] = []
         for (item, _), at in zip(self._made, self._at, strict=True):
             axis = item.place(self._subject).axis
             opposite = self._subject.opposite(axis)
@@ -92,9 +100,16 @@ class Felt:
             if at is None or item.row.shows is at_once or not telling:
                 found.append(at)
                 continue
-            kept = (times >= at) & (times <= until)
-            first = item.row.shows(item.sizes, times[kept], rows[kept][:, telling])
-            lasts = SHOWN if item.row.in_motion else item.row.within
-            is_late = first is None or first + lasts > until
-            found.append(None if is_late else first)
+            windows: Sequence[tuple[float, float]] = [(at, until)]
+            lasts = item.row.within
+            if item.row.in_motion:
+                windows = [(at, min(stops, until)), (max(at, stops), until)]
+                lasts = SHOWN
+            found.append(None)
+            for begin, end in windows:
+                kept = (times >= begin) & (times <= end)
+                first = item.row.shows(item.sizes, times[kept], rows[kept][:, telling])
+                if first is not None and first + lasts <= end:
+                    found[-1] = first
+                    break
         return tuple(found)

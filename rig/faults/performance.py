@@ -100,6 +100,7 @@ class Performance(Watcher):
         self._program = Program(dies)
         self._broke_at: float | None = None
         self._seen_at: float | None = None
+        self._stops_at = inf
         self._controlled_until = inf
         self._running_from: float | None = None
         self._felt = Felt(subject)
@@ -162,6 +163,7 @@ class Performance(Watcher):
                     at = now + _comes_at(case)
                     self._stage.cue_before(at, partial(self._come, case, at))
         elif state is RigState.STOPPING and self._case is not None:
+            self._stops_at = now
             if self._case.moment is Moment.RELEASE:
                 self._stage.cue(now + self._case.after, self._break_first)
         elif state in (RigState.IDLE, RigState.FAULT):
@@ -293,7 +295,7 @@ class Performance(Watcher):
         excused = [v for v in found() if v.hazard in forgiven] if forgiven else []
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
         until = min(ended_at, self._controlled_until)
-        felt_at = self._felt.shown(self._columns, times, rows, until)
+        felt_at = self._felt.shown(self._columns, times, rows, until, self._stops_at)
         ending = CaseEnding(
             code, message, clock.or_never(self._broke_at),
             None if rehearsed else clock.or_never(self._seen_at),
@@ -371,7 +373,7 @@ def _is_confessed(violation: Violation, told: str) -> bool:
 def _horizon(case: Case) -> float:
     """Return how long a run may go on after its last fault, s.
 
-    What only motion shows is to be seen in the stop at the latest, which must not come later.
+    What only motion shows is not waited for: the stop comes, which moves most things.
     """
     rows = [item.row for item in case.breaks]
     waits = [row.filling for row in rows if case.moment is Moment.ENERGISE]

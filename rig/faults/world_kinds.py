@@ -253,7 +253,8 @@ PNEUMATIC = (
         why="less than 1.5e-8 m3/(s Pa), or 2e-8 at low pressures, a narrow tube, a "
         "regulator makes up for: the rods stay where they do when nothing leaks; a wider "
         "one empties the chamber before its opponents can be; a monitor at the other end of "
-        "the tube shows nothing of it, and while its pair stands, nobody can tell",
+        "the tube shows nothing of it, and while its pair stands, or has moved just before "
+        "a stop, nobody can tell",
         excuses=empties_at_once)), shows=moves, is_sudden=True,
         shown_by=("extension_{axis}", "extension_{opposite}")),
     of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,

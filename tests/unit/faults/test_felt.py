@@ -131,5 +131,24 @@ def test_a_tube_that_is_off_is_felt_when_a_rod_of_its_pair_moves(moving, way, un
         assert found == pytest.approx(1.251, abs=1.1e-3)
 
 
+@pytest.mark.parametrize(
+    ("stops", "again", "felt_at"),
+    [
+        (1.8, None, 1.251), (1.6, None, None), (1.6, 2.0, 2.001), (1.6, 3.6, None),
+        (1.2, None, 1.251), (inf, None, 1.251),
+    ],
+    ids=["long before", "just before", "in the stop", "at its end", "begins in it", "no stop"],
+)  # fmt: skip
+def test_what_moves_just_before_a_stop_is_felt_if_it_moves_in_it(stops, again, felt_at):
+    knows = {"plant": ("agonist.leak", "antagonist.leak")}
+    felt = Felt(replace(SUBJECT, knows=knows))
+    felt.make(Break("leak", "plant agonist", 3e-8, inf), 0.5)
+    times = np.arange(0.0, 4.0, 1e-3)
+    way = 2e-3 * (times > 1.25) + 2e-3 * (times > (again or inf))
+    rods = np.column_stack([0.02 + way, 0.02 - way])
+    (found,) = felt.shown(["extension_agonist", "extension_antagonist"], times, rods, 4.0, stops)
+    assert found == (None if felt_at is None else pytest.approx(felt_at, abs=1.1e-3))
+
+
 def test_nothing_moves_in_no_time():
     assert moves(Sizes(3e-8, inf), np.empty(0), np.empty((0, 2))) is None
