@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -224,15 +224,32 @@ def _show(rig: str, controller: str, loops: LoopsBeside) -> None:
                 between = "-" if math.isnan(low) else f"{_text(name, low)} to {_text(name, high)}"
                 row += [_text(name, getattr(loop.margins, name)), between]
         rows.append(tuple(row))
-    up_to = f"{loops.now.frequencies[-1]:g} Hz"
-    if loops.now.frequencies[-1] < _FAR * loops.now.margins.crossover / (2.0 * math.pi):
-        click.echo(
-            f"above {up_to} the loop could not be told from noise: the pair may stick, or swing by "
-            "itself, while it glides",
-            err=True,
-        )
-    title = f"the loop that {controller} closes on {rig}, up to {up_to}"
+    for doubt in doubts_about(loops.now):
+        click.echo(doubt, err=True)
+    first, last = _range(loops.now)
+    title = f"the loop that {controller} closes on {rig}, from {first} to {last}"
     print_tables([Table(title, tuple(head), rows)])
+
+
+def doubts_about(loop: MeasuredLoop) -> Iterator[str]:
+    """Yield what is not known of a loop that was measured, a sentence each."""
+    first, last = _range(loop)
+    if not loop.tells_crossover:
+        yield (
+            f"from {first} to {last}, where the loop is known, its gain is nowhere 1: it may be "
+            "nearer to instability than what was measured says; the pair may stick while it glides"
+        )
+    elif loop.frequencies[-1] < _FAR * loop.margins.crossover / (2.0 * math.pi):
+        yield (
+            f"above {last} the loop could not be told from noise: the pair may stick, or swing by "
+            "itself, while it glides"
+        )
+
+
+def _range(loop: MeasuredLoop) -> tuple[str, str]:
+    """Return the least and the greatest frequency at which a loop is known."""
+    first, last = (f"{loop.frequencies[k]:g} Hz" for k in (0, -1))
+    return first, last
 
 
 def _text(name: str, value: float) -> str:

@@ -69,6 +69,11 @@ class MeasuredLoop(NamedTuple):
         """The loop's distance from instability, as far as it was measured."""
         return margins_of(self.frequencies, self.response)
 
+    @property
+    def tells_crossover(self) -> bool:
+        """Whether it is known where its gain is 1; else it may be less stable than it looks."""
+        return not math.isnan(self.margins.crossover)
+
     def interval(self, name: str) -> tuple[float, float]:
         """Return the 95 % interval of one of the `margins`; NaN where that is not known."""
         found = [getattr(margins_of(self.frequencies, one), name) for one in self.drawn]

@@ -1,5 +1,6 @@
 """The loop of a joint's pair that is measured while the ring glides, on plants that differ."""
 
+import math
 import random
 
 import pytest
@@ -12,6 +13,7 @@ from rig.experiment.run import run_experiment
 from rig.hal import ConfigurationError
 from rig.mechanisms.joint.measured_loop import loop_of_run
 from rig.report.data import load_run
+from rig.tuning.workbench import Request, Workbench
 
 DRAWN = random.Random(3317)
 SEEDS = [DRAWN.randrange(10_000) for _ in range(2)]
@@ -70,3 +72,45 @@ def test_what_tells_no_loop_is_a_sentence(tmp_path):
         loop_of(probed)
     with pytest.raises(ConfigurationError, match="what is linear of object is not known"):
         loop_of_run(load_run(probed.path), object())
+
+
+def bench_of(rig="joint", *options):
+    return Workbench(Request(rig, "cascade", None, options, None, 0))
+
+
+@pytest.mark.parametrize("rig", ["joint", "joint-valves"])
+def test_rig_tune_measures_what_rig_margins_measures(rig, tmp_path):
+    """On a plant that is as told, and that a run has, too: by the bench as by the run's log."""
+    bench = bench_of(rig)
+    told = bench.ensemble.nominal
+    settings = bench.profile.plant.settings.believed(told.numbers)
+    unit = [f"simulation.seed={SEEDS[1]}"]
+    if rig == "joint":
+        unit.append(f"plant.regulator.dead_time={settings.regulator.dead_time} s")
+    run = loop_of(recorded(tmp_path, *unit, rig=rig)).margins
+    found = bench.measured({}, [told._replace(seed=seed) for seed in SEEDS])
+    assert min(one.sensitivity for one in found) < 1.25 * run.sensitivity
+    assert max(one.sensitivity for one in found) > 0.8 * run.sensitivity
+    assert found[1].crossover == pytest.approx(run.crossover, rel=0.15)
+
+
+def test_rig_tune_sees_dead_time_that_the_law_is_not_told():
+    bench = bench_of()
+    told = bench.ensemble.nominal._replace(seed=SEEDS[1])
+    late = {**told.numbers, "regulator_dead_time": told.numbers["regulator_dead_time"] + 8e-3}
+    on_time, too_late = bench.measured({}, [told, told._replace(numbers=late)])
+    assert too_late.sensitivity > 1.05 * on_time.sensitivity
+    assert on_time.delay - too_late.delay > 2e-3
+
+
+def test_a_loop_that_cannot_be_told_has_no_margin():
+    """A ring that swings out, one that is hardly led, and one whose limits leave no room."""
+    bench = bench_of()
+    wild = {"position_rate": 250.0, "velocity_rate": 700.0, "integral": 2e5}
+    weak = {"position_rate": 60.0, "velocity_rate": 60.0}  # its gain is 1 below what is shaken
+    for rates in (wild, weak):
+        gains = {f"pair.{name}": value for name, value in rates.items()}
+        (found,) = bench.measured(gains, [bench.ensemble.nominal])
+        assert found.sensitivity == math.inf
+    narrow = bench_of("joint", "joint.limits.tilt=40 deg")
+    assert narrow.measured({}, [narrow.ensemble.nominal]) is None

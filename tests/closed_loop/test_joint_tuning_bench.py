@@ -121,8 +121,9 @@ def test_the_compiled_loop_does_to_the_bit_what_law_and_limits_do_one_by_one(opt
             SphericalJoint.approach(upright, first, 1.0, cycle * period)
         )  # fmt: skip
         applied = view.limit(controller.update(state(), wanted))
+        read = (*state().rods, *state().pressures)
         off = np.array(controller.estimate.rods) - state().rods
-        assert (*truth, *off, *applied) == tuple(trace[cycle]), cycle
+        assert (*truth, *off, *applied, *read) == tuple(trace[cycle]), cycle
         lent.exchange(lent.memory, np.array(applied), seen, truth)
 
 

@@ -26,7 +26,7 @@ from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
-from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
+from rig.mechanisms.pneumatic.shaken_pair import UNTOLD, ShakenLaw, shaken_margins
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
 from rig.mechanisms.pneumatic.valves.bench import dead_time_of, on_regulators, spools_told
 from rig.mechanisms.pneumatic.valves.unknowns import VALVE_UNKNOWNS
@@ -43,8 +43,6 @@ _LOST: Final = 1.5
 _HOME: Final = PairReference(0.0, 0.0, 0.0)
 _PROBED: Final = 0.9
 """Share of the permitted positions that a pair glides over while it is shaken."""
-_UNKNOWN: Final = ClosedLoop(True, math.nan, math.nan, 0.0, math.inf)
-"""The loop of a pair that is lost, sticks, or swings by itself while it is shaken."""
 _TRUE, _SETPOINTS, _SHAKEN = 0, slice(1, 3), slice(3, 6)
 """Columns of a trace."""
 
@@ -123,15 +121,12 @@ class PairBench(TuningBench):
         of = self._shake
         trace, cycles = self._run(law, true, seed, of.references)
         if cycles < len(of.references):
-            return _UNKNOWN
+            return UNTOLD
         glides = [
             (self._period * np.arange(float(end - first)), trace[first:end, _SHAKEN])
             for _, first, end in of.stretches
         ]
-        try:
-            return ShakenPair(probe.frequencies, glides).under(shaken).margins
-        except ValueError:
-            return _UNKNOWN
+        return shaken_margins(glides, probe.frequencies, shaken)
 
     @cached_property
     def _shake(self) -> Programme:

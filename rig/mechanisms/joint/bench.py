@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Final, cast
 
 import numpy as np
@@ -18,6 +18,7 @@ from controllers.compiled import KernelMemory, inlined, let_kernels_call
 from controllers.cylinder.law import Output
 from controllers.cylinder.margins import margins_around
 from controllers.cylinder.numeric_law import NumericPairLaw, PairNumbers
+from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.pose_control import (
     POSE_EVERY,
     PoseController,
@@ -34,9 +35,12 @@ from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.mechanism import SphericalJoint
 from rig.mechanisms.joint.references.circle import CircleTone, JointCircle
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
+from rig.mechanisms.joint.references.probe import JointProbe
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.shaken_ring import shaken_signals
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import Programme, lasting_error
+from rig.mechanisms.pneumatic.shaken_pair import UNTOLD, ShakenLaw, shaken_margins
 from rig.mechanisms.pneumatic.unknowns import JOINT_UNKNOWNS, UNKNOWNS
 from rig.mechanisms.pneumatic.valves.bench import dead_time_of, on_regulators, spools_told
 from rig.mechanisms.pneumatic.valves.unknowns import JOINT_VALVE_UNKNOWNS
@@ -53,8 +57,13 @@ _SMALL_TILT: Final = math.radians(20.0)
 """Of the paper's circle, or a third of what the limits permit."""
 _UPRIGHT = (0.0, 0.0, 1.0)
 _REST = (0.0, 0.0, 0.0)
+_HOME: Final = JointReference(_UPRIGHT, _REST, _REST)
+_PROBED: Final = 0.77
+"""Share of the permitted tilt to which the ring glides while it is shaken."""
 _MARKER, _OFF, _ASKED = slice(0, 3), slice(3, 7), slice(7, 11)
-"""Columns of a trace: the marker, how far each rod is from where the law wants it, setpoints."""
+_RODS, _READ = slice(11, 15), slice(15, 19)
+"""Columns of a trace: the marker, how far each rod is from where the law wants it, setpoints, and
+of each rod and pressure what was read."""
 
 
 class JointBench(TuningBench):
@@ -77,11 +86,11 @@ class JointBench(TuningBench):
         self._model = SphericalJoint.model_of(settings)
         if settings.valves is not None:
             self.unknowns = JOINT_VALVE_UNKNOWNS
-        home = JointReference(_UPRIGHT, _REST, _REST)
         self._programme = Programme.of(
-            motions or _usual(settings), period, home, SphericalJoint.approach, _numbers_of
+            motions or _usual(settings), period, _HOME, SphericalJoint.approach, _numbers_of
         )
         axes = self._programme.references[:, :3]
+        self._probe = _probe(settings)
         self._markers = np.array([settings.geometry.marker(tuple(axis)) for axis in axes])
         if lend(self.told(), 0).channels != len(CHANNELS):
             raise ConfigurationError("the profile's plant is no joint on four wires")
@@ -122,27 +131,66 @@ class JointBench(TuningBench):
         """Return what each cycle comes to, and how many it lasted.
 
         A cycle is the true place of the marker (m), how far each rod is from where the law wants it
-        (m), and the setpoints (Pa).
+        (m), the setpoints (Pa), and the rods (m, pulled in) and pressures (Pa) that were read.
         """
+        return self._run(self._made(chosen), true, seed, self._programme.references)
+
+    def measured(
+        self, chosen: object, plants: Sequence[tuple[Mapping[str, float], int]]
+    ) -> Sequence[ClosedLoop] | None:
+        """Return the margins that are measured on each plant; see `TuningBench.measured`."""
+        if self._probe is None:
+            return None
         law = self._made(chosen)
+        shaken = ShakenLaw(law.pair_law, self._probe.frequencies)
+        return [self._measured(law, shaken, self._probe, *plant) for plant in plants]
+
+    def _measured(
+        self, law: AnyPoseController, shaken: ShakenLaw, probe: JointProbe,
+        true: Mapping[str, float], seed: int,
+    ) -> ClosedLoop:  # fmt: skip
+        of = self._shake
+        trace, cycles = self._run(law, true, seed, of.references)
+        if cycles < len(of.references):
+            return UNTOLD
+        glides = []
+        for _, first, end in of.stretches:
+            part = trace[first:end]
+            signals = shaken_signals(
+                self._settings.geometry, part[:, _MARKER], part[:, _RODS], part[:, _ASKED],
+                part[:, _READ],
+            )  # fmt: skip
+            glides.append((self._period * np.arange(float(end - first)), signals))
+        return shaken_margins(glides, probe.frequencies, shaken)
+
+    @cached_property
+    def _shake(self) -> Programme:
+        assert self._probe is not None
+        approach = SphericalJoint.approach
+        return Programme.of((self._probe,), self._period, _HOME, approach, _numbers_of)
+
+    def _run(
+        self, law: AnyPoseController, true: Mapping[str, float], seed: int, motion: Array
+    ) -> tuple[Array, int]:
         pose, pairs = _numbers_of_laws(law)
         lent, *_ = settled = self._settle(true, seed)
         memory, seen, truth = deepcopy(settled[1:])
-        self._begin(pose, pairs, seen)
+        self._begin(pose, pairs, motion[0], seen)
         laid = [KernelMemory(one) for one in (pose, *pairs)]
         step = type(pairs[0]).step
         loop = _loop(step, laid[0].kind, laid[1].kind, lent.exchange)
-        motion = self._programme.references
-        trace = np.zeros((len(motion), 11))
+        trace = np.zeros((len(motion), 19))
         laws = tuple([one.bytes for one in laid])
         return trace, loop(laws, memory, seen, truth, motion, self._homes, self._limits, trace)
 
     def _made(self, chosen: object) -> AnyPoseController:
         return self._law(cast(PoseControlSettings, chosen), self._model, self._period)
 
-    def _begin(self, pose: PoseNumbers, pairs: Sequence[PairNumbers], seen: Array) -> None:
+    def _begin(
+        self, pose: PoseNumbers, pairs: Sequence[PairNumbers], reference: Array, seen: Array
+    ) -> None:
         """Start the laws of the pairs at what is measured."""
-        reference, rods = self._programme.references[0], self._homes - seen[: len(CHANNELS)]
+        rods = self._homes - seen[: len(CHANNELS)]
         axis, velocity, acceleration = (tuple(part) for part in reference.reshape(3, 3))
         pressures = tuple(seen[len(CHANNELS) :])
         _, (measured, *_) = before_natural(
@@ -190,6 +238,18 @@ def _usual(settings: JointSettings) -> tuple[Motion[JointReference], ...]:
     sides = ((1.0, 0.0), (0.5, 2.0), (2.0, 0.8), (0.3, 4.0), (0.0, 0.0))
     poses = tuple(JointPose(share * tilt, azimuth) for share, azimuth in sides)
     return JointCircle(tilt, tones), JointPoses(poses, rise=1.0, dwell=2.0)
+
+
+def _probe(settings: JointSettings) -> JointProbe | None:
+    """Return the glides that tell a pair's loop; None: the permitted tilt leaves no room for any.
+
+    In the plane of one pair's anchors only that pair moves.
+    """
+    azimuth = settings.geometry.anchor_angles[PAIRS[0][0]]
+    try:
+        return JointProbe(_PROBED * settings.limits.tilt, azimuth)
+    except ValueError:
+        return None
 
 
 def _numbers_of(reference: JointReference) -> tuple[float, ...]:
@@ -278,7 +338,9 @@ def _loop(
             for channel in range(4):
                 setpoints[channel] = _limited(asked[channel], setpoints[channel], limits)
                 trace[k, 3 + channel] = wanted[channel] - rods[channel]
-            trace[k, :3], trace[k, 7:] = truth, setpoints
+            trace[k, :3], trace[k, 7:11] = truth, setpoints
+            trace[k, 11], trace[k, 12], trace[k, 13], trace[k, 14] = rods
+            trace[k, 15:] = seen[4:]
             exchange(memory, setpoints, seen, truth)
         return len(motion)
 

@@ -9,18 +9,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.pose_control import PoseController
-from controllers.spherical_joint.poses import natural_rotation
-from controllers.spherical_joint.tension import TensionDistribution
 from rig.assembly import REGISTRY
-from rig.calibration.arrays import between_rows
 from rig.config import load_experiment, load_profile
 from rig.hal import ConfigurationError
 from rig.hal.measured_loop import Array, MeasuredLoop
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.references.probe import JointProbe
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.shaken_ring import shaken_signals
 from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
 
 if TYPE_CHECKING:
@@ -28,8 +25,6 @@ if TYPE_CHECKING:
 
 _ROUNDING: Final = 1e-6
 """s, of the times of cycles."""
-_POSE_EVERY: Final = 10
-"""Cycles between two poses for which the distribution of tensions is worked out."""
 
 
 def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
@@ -67,14 +62,12 @@ def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
 def _glides(run: "RunData", settings: JointSettings) -> Iterator[tuple[Array, Array]]:
     """Yield times, and what was sent and read of the pair that moves, of each whole glide."""
     t = run.time
-    rods = _columns(run, "reading.rod_")
-    places = [0.5 * (rods[:, one] - rods[:, other]) for one, other in PAIRS]
-    number = int(np.argmax([np.ptp(place) for place in places]))
-    sent, pressed = (
-        _forces(run, _columns(run, kind), settings, number)
-        for kind in ("applied.", "reading.pressure_")
+    axis = np.column_stack([run.trace(f"estimate.encoder_marker_{name}") for name in "xyz"])
+    signals = shaken_signals(
+        settings.geometry,
+        axis,
+        *(_columns(run, kind) for kind in ("reading.rod_", "applied.", "reading.pressure_")),
     )
-    signals = np.column_stack([sent, places[number], pressed])
     for segment in run.segments:
         if segment.name.startswith("glide") and t[-1] >= segment.end:
             part = (t >= segment.start - _ROUNDING) & (t < segment.end - _ROUNDING)
@@ -83,15 +76,3 @@ def _glides(run: "RunData", settings: JointSettings) -> Iterator[tuple[Array, Ar
 
 def _columns(run: "RunData", kind: str) -> Array:
     return np.column_stack([run.trace(f"{kind}{channel}") for channel in CHANNELS])
-
-
-def _forces(run: "RunData", pressures: Array, settings: JointSettings, number: int) -> Array:
-    """Return the force of a pair over the area, Pa, to which four pressures amount, shape (n,)."""
-    axis = np.column_stack([run.trace(f"estimate.encoder_marker_{name}") for name in "xyz"])
-    axis /= np.linalg.norm(axis, axis=1)[:, None]
-    at = TensionDistribution(settings.geometry).at
-    places = np.arange(0, len(axis), _POSE_EVERY)
-    poses = [at(natural_rotation((x, y, z))) for x, y, z in axis[places].tolist()]
-    rows = np.array([(pose.first, pose.second)[number] for pose in poses])
-    weights = between_rows(rows, places, np.arange(len(axis)))
-    return np.asarray((weights * pressures).sum(axis=1))

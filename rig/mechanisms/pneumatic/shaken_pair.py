@@ -9,6 +9,7 @@ L. Ljung, "System identification", 2nd ed., 1999, section 13.5: joint input-outp
 of what is under control.
 """
 
+import math
 from collections.abc import Iterable
 from typing import Final
 
@@ -16,6 +17,7 @@ import numpy as np
 
 from controllers.cylinder.law import AnyPairLaw
 from controllers.cylinder.margins import measured_loop, modelled_loop
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.measured_loop import Array, Complex, MeasuredLoop
 
 FEWEST: Final = 6
@@ -24,6 +26,8 @@ _DRAWN: Final = 200
 """So often glides are drawn anew."""
 _SCATTER: Final = 0.5
 """Of a response, beside it: where it is larger, nothing is told."""
+UNTOLD: Final = ClosedLoop(True, math.nan, math.nan, 0.0, math.inf)
+"""The loop of a pair that is lost, sticks, or swings by itself while it is shaken."""
 
 
 class ShakenPair:
@@ -73,6 +77,25 @@ class ShakenPair:
             self.frequencies, law.around(self._parts), np.array(drawn), law.modelled
         )
         return found.known(_SCATTER)
+
+
+def shaken_margins(
+    glides: Iterable[tuple[Array, Array]], frequencies: Array, law: "ShakenLaw"
+) -> ClosedLoop:
+    """Return the margins of a loop; `UNTOLD` if glides do not tell it where its gain is 1.
+
+    Parameters
+    ----------
+    glides, frequencies
+        See `ShakenPair`.
+    law : ShakenLaw
+        What closes it.
+    """
+    try:
+        loop = ShakenPair(frequencies, glides).under(law)
+    except ValueError:
+        return UNTOLD
+    return loop.margins if loop.tells_crossover else UNTOLD
 
 
 class ShakenLaw:

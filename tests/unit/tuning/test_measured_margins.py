@@ -6,6 +6,7 @@ import random
 import numpy as np
 import pytest
 
+from rig.cli.margins import doubts_about
 from rig.hal.measured_loop import MeasuredLoop, margins_of
 
 DRAWN = random.Random(90210)
@@ -39,6 +40,24 @@ def test_where_no_gain_of_1_was_seen_crossover_and_delay_are_not_known():
     found = margins_of(FREQUENCIES, 0.02 * integrator(10.0, 0.0))
     assert all(map(math.isnan, (found.crossover, found.phase, found.delay)))
     assert 0.9 < found.sensitivity < 1.1
+    for gain, told in ((0.02, False), (1.0, True)):
+        loop = gain * integrator(60.0, 0.0)
+        assert MeasuredLoop(FREQUENCIES, loop, loop[None], loop).tells_crossover is told
+
+
+@pytest.mark.parametrize(
+    ("gain", "last", "said"),
+    [
+        (0.02, 15, ["from 2 Hz to 40 Hz, where the loop is known, its gain is nowhere 1"]),
+        (1.0, 15, []),
+        (1.0, 8, ["above 16 Hz the loop could not be told from noise"]),
+    ],
+)
+def test_what_is_not_known_of_a_loop_is_said(gain, last, said):
+    f, loop = FREQUENCIES[:last], gain * integrator(60.0, 0.0)[:last]
+    doubts = list(doubts_about(MeasuredLoop(f, loop, loop[None], loop)))
+    assert len(doubts) == len(said)
+    assert all(doubt.startswith(words) for doubt, words in zip(doubts, said, strict=True))
 
 
 def with_noise(scatter):
