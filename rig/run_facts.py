@@ -22,6 +22,8 @@ EVALUATION = "evaluation.json"
 METRICS = "metrics.json"
 TIMING = "timing.json"
 REPORT, FIGURES = "report.html", "figures"
+TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
+"""Of a case that was broken: arrays ``t``, ``truth`` and ``judged``, and what their columns are."""
 
 
 _COMMIT: Final = re.compile("[0-9a-f]{40,64}")
@@ -73,6 +75,8 @@ class Manifest(TypedDict, total=False):
     message: str | None
     wrongs: list[str]
     """What a campaign found wrong about it, by the plant's truth."""
+    uncounted: list[str]
+    """Hazards that came true and that nothing could have kept off."""
     git: GitState | None
     versions: dict[str, str]
     plug_ins: dict[str, PlugIn]

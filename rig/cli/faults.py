@@ -222,7 +222,10 @@ def run(
         print_json([verdict.as_json() for verdict in verdicts])
     else:
         print_tables(_tables(rows, verdicts))
-    if left := say_uncounted(verdict.case for verdict in verdicts):
+    for one in verdicts if len(verdicts) <= _FEW else ():
+        for hazard in one.uncounted():
+            click.echo(f"not counted: {hazard}", err=True)
+    if left := say_uncounted(verdicts):
         click.echo(left, err=True)
     click.echo(f"{page}", err=True)
     codes = {verdict.exit_code for verdict in verdicts}

@@ -302,12 +302,13 @@ def _run(
             for sentence in faults_that_never_came(broken, *times):
                 watcher.said(sentence)
                 events(loop.t, "never", sentence, {})
+        given_up = loop.t if loop.start is None else rig.clock.now() - loop.start
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
         said = [(of, say_for_rig(what, plan.profile.argument), data) for of, what, data in said]
         for kind, sentence, data in said:
             watcher.said(sentence)
-            events(loop.t, kind, sentence, data)
+            events(given_up if kind == "unsafe" else loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
         ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
         flaws += [sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS)]

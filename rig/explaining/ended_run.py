@@ -109,6 +109,7 @@ def explain_run(folder: Path) -> list[Remark]:
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     unsafe = list(_messages(folder, _UNSAFE))
     wrongs = manifest.get("wrongs", [])
+    said[1:1] = [Remark("not counted", left) for left in manifest.get("uncounted", [])]
     said[1:1] = [Remark("truth", wrong) for wrong in wrongs]  # what a campaign has judged it by
     said[1:1] = [Remark("not safe", sentence) for sentence in unsafe]  # before all else
     rig = _rig_of(folder) or manifest.get("rig")
@@ -206,7 +207,10 @@ def _injected(folder: Path) -> Iterator[Remark]:
     """Yield what a simulation broke of itself, and when on the log's clock."""
     for event in read_events(folder):
         if event.get("kind") == _INJECTED:
-            when = f"{event['t']:.3f} s after the run began (the log's clock)"
+            t = event.get("t")
+            when = "before the log's clock began"
+            if t is not None:
+                when = f"{t:.3f} s after the run began (the log's clock)"
             yield Remark("injected", f"{event['message']}, {when}")
 
 

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from math import inf, isinf
 from pathlib import Path
@@ -13,16 +13,16 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from rig.faults.case import Break, Case
+from rig.faults.oracle import Samples, judged_values
 from rig.faults.stage import Truth
 from rig.faults.verdict import Verdict
 from rig.hal import Column, ConfigurationError
 from rig.hal.formats import format_quantity
+from rig.hal.hazards import Hazard
 from rig.json_file import write_json
-from rig.run_facts import EVENTS, MANIFEST, read_manifest
+from rig.run_facts import EVENTS, MANIFEST, TRUTH, TRUTH_COLUMNS, read_manifest
 from rig.typed_json import read_json
 
-TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
-"""Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 CASE: Final = "case.json"
 """What broke and when, so that it can be done again."""
 
@@ -96,9 +96,40 @@ def describe_truth(logged: Sequence[Column], drives: Iterable[str]) -> list[Colu
     ]
 
 
-def keep_case(
-    folder: Path, verdict: Verdict, columns: Sequence[Column], truth: Truth, clock: RunClock
-) -> None:
+class WholeTruth(NamedTuple):
+    """The truth of a case from its beginning on, and what it is judged by.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        Of the truth.
+    truth : Truth
+        In the world's time.
+    hazards : sequence of Hazard
+        Of the rig.
+    ended_at : float
+        When the program ended or died, s.
+    """
+
+    columns: Sequence[Column]
+    truth: Truth
+    hazards: Sequence[Hazard]
+    ended_at: float
+
+    def judged(self, times: Samples, rows: Samples) -> Iterator[tuple[dict[str, object], Samples]]:
+        """Yield each quantity that has bounds, what it is, and its values, shape (n,)."""
+        names = [column.name for column in self.columns]
+        for hazard in self.hazards:
+            what = {
+                "hazard": hazard.name, "unit": hazard.unit, "low": hazard.low, "high": hazard.high,
+                "only_safe": hazard.only_safe,
+            }  # fmt: skip
+            for column in hazard.columns:
+                values = judged_values(hazard, times, rows[:, names.index(column)])
+                yield {"column": column, **what}, values
+
+
+def keep_case(folder: Path, verdict: Verdict, whole: WholeTruth, clock: RunClock) -> None:
     """Write into a run's folder what was true of it, and what was wrong.
 
     Parameters
@@ -107,26 +138,35 @@ def keep_case(
         Of the run.
     verdict : Verdict
         On the case.
-    columns : sequence of Column
-        Of the truth.
-    truth : Truth
-        In the world's time.
+    whole : WholeTruth
+        What was true.
     clock : RunClock
         Which everything that is written tells the time of.
     """
-    times, rows = (np.array(values) for values in truth)
-    names = [column.name for column in columns]
-    np.savez_compressed(folder / TRUTH, columns=names, t=times - clock.start, truth=rows)
-    described = [column._asdict() for column in columns]
-    told = {"t": f"s since {clock.since}, as in events.jsonl", "columns": described}
+    times, rows = (np.array(values) for values in whole.truth)
+    judged = list(whole.judged(times, rows))
+    np.savez_compressed(
+        folder / TRUTH, columns=[column.name for column in whole.columns], t=times - clock.start,
+        truth=rows, judged=np.column_stack([values for _, values in judged]),
+    )  # fmt: skip
+    told = {
+        "t": f"s since {clock.since}, as in events.jsonl",
+        "ended": clock.of(whole.ended_at),
+        "columns": [column._asdict() for column in whole.columns],
+        "judged": [what for what, _ in judged],
+    }
     write_json(folder / TRUTH_COLUMNS, told)
     write_json(folder / CASE, {"case": asdict(verdict.case), "again": verdict.case.command})
     for violation in verdict.ending.violations:
         _append(folder, violation.t, "hazard", str(violation), violation._asdict())
+    for violation in verdict.ending.excused:
+        _append(folder, violation.t, "not counted", str(violation), violation._asdict())
     manifest = read_manifest(folder)
     manifest["command"] = shlex.split(verdict.case.command)
     if verdict.failed:
         manifest["wrongs"] = list(verdict.wrongs())
+    if verdict.ending.excused:
+        manifest["uncounted"] = list(verdict.uncounted())
     write_json(folder / MANIFEST, manifest)
 
 

@@ -85,6 +85,12 @@ def judge(
     return list(found.values())
 
 
+def judged_values(hazard: Hazard, times: Samples, truth: Samples) -> Samples:
+    """Return what of a column's truth is held against a hazard's bounds, shape (n,)."""
+    values = np.array([hazard.of(float(value)) for value in truth])
+    return np.gradient(values, times) if hazard.is_rate else values
+
+
 def _first(hazard: Hazard, columns: Sequence[str], times: Samples, rows: Samples) -> list[float]:
     """Return when each column that broke a hazard did so first, s."""
     found = [
@@ -97,9 +103,7 @@ def _first(hazard: Hazard, columns: Sequence[str], times: Samples, rows: Samples
 def _worst(
     hazard: Hazard, column: str, times: Samples, truth: Samples, safe_from: float
 ) -> Violation | None:
-    values = np.array([hazard.of(float(value)) for value in truth])
-    if hazard.is_rate:
-        values = np.gradient(values, times)
+    values = judged_values(hazard, times, truth)
     if hazard.only_safe:
         kept = times >= safe_from
         times, values = times[kept], values[kept]

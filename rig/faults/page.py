@@ -4,21 +4,26 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rig.faults.table import HEADER, SUM, Row, used_columns
+from rig.faults.table import CASE_HEADER, HEADER, SUM, Row, case_cells, used_columns
 from rig.faults.uncounted import say_uncounted
 from rig.faults.verdict import Verdict
 from rig.report.markup import NOTHING, Html, element, join, page, section, table
 from rig.whole_file import write_whole
+
+MOST_CASES = 100
+"""Of more than so many, the page lists only what needs a look."""
 
 
 def write_page(path: Path, title: str, rows: Sequence[Row], verdicts: Sequence[Verdict]) -> None:
     """Write the page; it needs no network and runs nothing."""
     failed = [verdict for verdict in verdicts if verdict.failed]
     verdict = f"{len(failed)} of {len(verdicts)} cases went wrong" if failed else "nothing is wrong"
-    left = say_uncounted(verdict.case for verdict in verdicts)
+    left = say_uncounted(verdicts)
     notes = [element("p", f"{note}.") for note in (verdict, left) if note]
     header = element("header", element("h1", title), *notes)
-    write_whole(path, page(title, header, _table(rows), _failures(failed), width="90rem"))
+    write_whole(
+        path, page(title, header, _table(rows), _failures(failed), _cases(verdicts), width="90rem")
+    )
 
 
 def _table(rows: Sequence[Row]) -> Html:
@@ -42,6 +47,20 @@ def _breakable(text: str) -> Html:
 def _failures(failed: Iterable[Verdict]) -> Html:
     parts = [part for verdict in failed for part in _failure(verdict)]
     return section("What went wrong", *parts) if parts else NOTHING
+
+
+def _cases(verdicts: Sequence[Verdict]) -> Html:
+    """Return what came of each case, those first that ended in a hazard; of many, only of those."""
+    shown = verdicts if len(verdicts) <= MOST_CASES else [v for v in verdicts if v.ending.excused]
+    ordered = sorted(shown, key=lambda one: (not one.failed, not one.ending.excused))
+    if not ordered:
+        return NOTHING
+    few = "" if shown is verdicts else " with a hazard that is not counted"
+    cells = [[*map(_breakable, case_cells(one)), "; ".join(one.uncounted())] for one in ordered]
+    head = [*CASE_HEADER, "not counted"]
+    styles = ["fail" if one.failed else "" for one in ordered]
+    title = f"What came of each case{few}"
+    return section(title, table("Cases", head, cells, styles=styles))
 
 
 def _failure(verdict: Verdict) -> Iterable[Html]:

@@ -16,7 +16,7 @@ from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.felt import Felt
-from rig.faults.kept_case import clock_of, describe_truth, keep_case, note_break
+from rig.faults.kept_case import WholeTruth, clock_of, describe_truth, keep_case, note_break
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
@@ -310,7 +310,8 @@ class Performance(Watcher):
         if self._refused:
             verdict = verdict.broken(self._refused)
         if self.folder is not None and (verdict.failed or self._keeps):
-            keep_case(self.folder, verdict, self._described, truth, clock)
+            whole = WholeTruth(self._described, truth, self.subject.hazards, ended_at)
+            keep_case(self.folder, verdict, whole, clock)
             verdict = replace(verdict, folder=self.place)
         return verdict
 

@@ -91,7 +91,7 @@ def used_columns(rows: Sequence[Row]) -> tuple[list[int], list[str]]:
 def case_cells(verdict: Verdict) -> tuple[str, ...]:
     """Return one case as text: what broke, and what the rig said of it."""
     case, ending = verdict.case, verdict.ending
-    reaction = "" if ending.reaction is None else f"{1e3 * ending.reaction:.3g}"
+    reaction = "" if verdict.reaction is None else f"{1e3 * verdict.reaction:.3g}"
     where = " + ".join(item.where for item in case.breaks)
     said = ending.message or "nothing"
     return (
@@ -118,7 +118,7 @@ def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
 
 def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:
     """Return one row: what came of these cases."""
-    times = [v.ending.reaction for v in verdicts if v.ending.reaction is not None]
+    times = [v.reaction for v in verdicts if v.reaction is not None]
     in_phase = [[v for v in verdicts if v.case.moment is moment] for moment in Moment]
     return Row(
         fault, rig, len(verdicts),

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from typing import Final
 
 from rig.faults import excuses
-from rig.faults.case import Case
 from rig.faults.excuses import ON_A_WIRE
 from rig.faults.kind import FaultKind, no_excuse
+from rig.faults.verdict import Verdict
 
 _PUSHES: Final = (excuses.topples, excuses.overpowers, excuses.overpowers_wires)
 _LETS_GO: Final = (excuses.pulls_alone, excuses.empties_at_once, excuses.fills_alone)
@@ -21,15 +21,16 @@ _FALL: Final = (
 )
 
 
-def say_uncounted(cases: Iterable[Case]) -> str:
-    """Return of which faults not every hazard was counted, and why; empty: of none.
+def say_uncounted(verdicts: Iterable[Verdict]) -> str:
+    """Return after which faults hazards were not counted, and why; empty: after none.
 
     Parameters
     ----------
-    cases : iterable of Case
-        That were performed.
+    verdicts : iterable of Verdict
+        On all cases.
     """
-    rows = {item.kind: item.row for case in cases for item in case.breaks}
+    found = [verdict.case for verdict in verdicts if verdict.ending.excused]
+    rows = {item.kind: item.row for case in found for item in case.breaks}
     left = {name: row for name, row in rows.items() if is_excused(row)}
     if not left:
         return ""

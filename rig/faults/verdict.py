@@ -106,6 +106,8 @@ class Verdict:
         moment of a fault that did not happen never came: the case tells nothing of the rig.
     folder : str
         The run folder, where it was kept.
+    since : float or None
+        When what had to be seen broke, s: of two faults it may be the second.
     """
 
     case: Case
@@ -121,6 +123,7 @@ class Verdict:
     never: bool = False
     folder: str = ""
     period: float = 1e-3
+    since: float | None = None
 
     def broken(self, why: str) -> "Verdict":
         """Return this verdict as that of a case that did not work, and why."""
@@ -147,6 +150,14 @@ class Verdict:
         return any(True for _ in self.wrongs())
 
     @property
+    def reaction(self) -> float | None:
+        """From the fault that had to be seen to the first safe setpoint, s; None: there is none."""
+        seen_at = self.ending.seen_at
+        if self.since is None or seen_at is None:
+            return None
+        return max(0.0, seen_at - self.since)
+
+    @property
     def exit_code(self) -> int:
         """The exit code of the case alone: 1 after a hazard, 2 if its moment never came."""
         return 1 if self.hazard or self.crashed else 2 if self.never else 0
@@ -168,6 +179,17 @@ class Verdict:
         if self.late:
             reaction = self.ending.reaction or 0.0
             yield f"late: seen after {1e3 * reaction:.0f} ms, {1e3 * self.wanted:.0f} ms wanted"
+
+    def uncounted(self) -> Iterator[str]:
+        """Yield the hazards that nothing could have kept off, a sentence each."""
+        broke_at = self.ending.broke_at
+        for violation in self.ending.excused:
+            after = (
+                ""
+                if broke_at is None
+                else f", {1e3 * (violation.t - broke_at):.0f} ms after it broke"
+            )
+            yield f"{violation}{after}"
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data, with what is wrong in words."""
@@ -211,7 +233,20 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
         # An exception of ours says nothing of a fault, but where the law itself raised one.
         crashed=ending.code == OURS and not any(item.row.spoils_law for item in case.breaks),
         period=subject.period,
+        since=_since(case, ending, subject),
     )
+
+
+def _since(case: Case, ending: CaseEnding, subject: Subject) -> float | None:
+    """Return when what had to be seen broke, s; None: nothing did."""
+    first, then = case.first, case.then
+    if ending.broke_at is None or then is None:
+        return ending.broke_at
+    second = ending.broke_at + case.then_after
+    musts = [item.row.must(item.sizes, subject) is Must.SAFE for item in (first, then)]
+    if musts == [False, True] and ending.seen_at is not None and ending.seen_at >= second:
+        return second
+    return ending.broke_at
 
 
 def what_must_come(case: Case, subject: Subject, felt_at: Sequence[float | None] = ()) -> Must:

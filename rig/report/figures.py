@@ -20,11 +20,12 @@ from rig.report.figure import FigureKind
 from rig.report.limits_figure import LIMIT_FIGURES
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
+from rig.report.truth_figure import TRUTH_FIGURES
 from rig.run_facts import FIGURES as FIGURES_FOLDER
 from rig.run_folder import RunFolderError
 from rig.runtime.log_columns import LogColumns
 
-ANY_RUN = {**TIMING_FIGURES, **LIMIT_FIGURES}
+ANY_RUN = {**TIMING_FIGURES, **LIMIT_FIGURES, **TRUTH_FIGURES}
 """The figures that do not depend on the mechanism."""
 
 

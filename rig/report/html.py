@@ -121,6 +121,10 @@ def _header(folder: RunFolder, title: str) -> Html:
         element("p", "By what was true of the rig: ", wrong, class_="fail")
         for wrong in manifest.get("wrongs", ())
     ]
+    wrongs += [
+        element("p", "Not counted, as nothing could have kept it off: ", left)
+        for left in manifest.get("uncounted", ())
+    ]
     badge = element("span", status, class_=f"badge {status}")
     return element(
         "header",

@@ -22,6 +22,7 @@ from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.limits_figure import LIMIT_FIGURES
 from rig.report.timing import summarise_timing
+from rig.report.truth_figure import TRUTH_FIGURES
 from rig.run_facts import EVALUATION, METRICS, TIMING, MetricRow, RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogError
@@ -88,8 +89,8 @@ def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
     names = folder.read_json(EVALUATION, Evaluation).get("figures") or None
-    # What cut commands is worth a look whoever asked for which figures.
-    asked = None if names is None else [*names, *(n for n in LIMIT_FIGURES if n not in names)]
+    # What cut commands, and what came of a fault, is worth a look whoever asked for which figures.
+    asked = None if names is None else list(dict.fromkeys((*TRUTH_FIGURES, *names, *LIMIT_FIGURES)))
     drawn = draw_figures(folder.path, asked, log)
     figures = [*besides, *(file for file in drawn.files if file.suffix == ".png")]
     # Without a list everything is tried that might be there, and most of it is not.

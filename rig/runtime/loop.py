@@ -116,6 +116,8 @@ class Loop(Generic[State, Reference, Command]):
     truth: Callable[[], tuple[float, ...]] = tuple
     t: float | None = field(init=False, default=None)
     """Time since the first cycle, s; None before it."""
+    start: float | None = field(init=False, default=None)
+    """When the first cycle began by the clock, s; None before it."""
     phases: Phases[State, Reference, Command] | None = field(init=False, default=None)
     """The way of the run, also after it; None before it."""
 
@@ -261,7 +263,7 @@ class Loop(Generic[State, Reference, Command]):
         limits, buses = _LimitWatch(events), BusWatch(self.buses, events)
         pace = Pace(run, period, self.max_missed, events)
         cycle = Cycle(self.buses, self.devices, mechanism, run, recorder, self.truth, period)
-        start = run.start = clock_now()
+        start = run.start = self.start = clock_now()
         while True:
             now = clock_now()
             run.t = self.t = t = now - start

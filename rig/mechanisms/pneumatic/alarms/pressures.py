@@ -1,6 +1,6 @@
 """Tell which regulator is stuck, slow or off, and how, or that the supply is gone."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from rig.hal import SafetyError
@@ -264,9 +264,7 @@ class PressureWatch:
             return f"the {part} of {name} is slow"
         low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
         if len(low) > 1 and k in low:
-            return (
-                f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
-            )
+            return _fall_short(self._names[i] for i in low)
         least = LEAST_LAG * self._bounds.loop
         if self._ways.share_gone(k, least) < _STAYS:
             return f"{self._explain()}, or it is slow"
@@ -308,7 +306,7 @@ class PressureWatch:
         worst = max(range(len(channels)), key=lambda k: abs(channels[k].off))
         channel, name, part = channels[worst], names[worst], self._part
         if len(low) > 1 and worst in low:
-            return f"the supply pressure is lost: {', '.join(names[k] for k in low)} fall short"
+            return _fall_short(names[k] for k in low)
         if channel.is_slow(self._bounds):
             return f"the {part} of {name} is slow"
         jumped = channel.jump > _JUMPED * abs(channel.off)
@@ -332,3 +330,8 @@ class PressureWatch:
             f"the {part} of {name} is stuck closed, or its chamber leaks: "
             f"its pressure stays{monitor}"
         )
+
+
+def _fall_short(names: Iterable[str]) -> str:
+    """Return why chambers have less than they should: what all of them lack, or lag by."""
+    return f"the supply pressure is lost: {', '.join(names)} fall short, or all are slow"
