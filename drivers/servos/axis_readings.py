@@ -41,6 +41,13 @@ class AxisReadings(ServoBus, Generic[Axis]):
 
     drives: tuple[Axis, ...]
 
+    @property
+    def oldest_axis(self) -> str:
+        """The joint that was heard of before every other; empty: there is none."""
+        times = [drive.time for drive in self.drives]
+        oldest = min(times)
+        return self.axis_names[times.index(oldest)] if times.count(oldest) == 1 else ""
+
     def positions(self) -> Reading[Vector]:
         """Return the joint positions, rad, shape (n,); as old as the oldest of them."""
         return self._reading([drive.position for drive in self.drives])

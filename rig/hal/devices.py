@@ -16,10 +16,13 @@ from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
 
+HARMLESS = 20e3
+"""Pressure that a chamber may hold when it is said to be safe, Pa gauge."""
 VENTED = 12e3
 """Excess over its safe pressure up to which a chamber counts as vented, Pa: above a monitor's
-offset and noise, and with these no more than 20 kPa, where a piston of 2 cm² pushes with 4 N, less
-than its seals hold back. Whose calibration is another unit's is off by twice a monitor's offset."""
+offset and noise, and with these no more than `HARMLESS`, where a piston of 2 cm² pushes with 4 N,
+less than its seals hold back. Whose calibration is another unit's is off by twice a monitor's
+offset."""
 _STILL = 0.05
 """Share of its greatest speed up to which a braked joint counts as standing still."""
 _FRESH = 0.1
@@ -331,6 +334,11 @@ class ServoBus(Device, Protocol):
     def is_enabled(self) -> bool:
         """Whether every joint follows setpoints; until then nothing but its brake holds it."""
         return True
+
+    @property
+    def oldest_axis(self) -> str:
+        """The joint whose reading is older than that of every other; empty: there is none."""
+        return ""
 
     @abstractmethod
     def positions(self) -> Reading[Vector]:

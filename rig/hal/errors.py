@@ -184,16 +184,18 @@ class StaleReading(SafetyError):
         The device whose reading is too old.
     age, bound : float
         How old it is and how old it may be, s.
+    part : str
+        What of the device it is of: ``joint q2``; empty: all of it.
     """
 
-    def __init__(self, device: str, age: float, bound: float) -> None:
+    def __init__(self, device: str, age: float, bound: float, part: str = "") -> None:
         self.device = device
         self.age = age
         self.bound = bound
         # Rounded up: one that is older by a microsecond is not as old as is allowed.
         shown = math.ceil(age * 1e4 - 1e-9) / 10.0
         super().__init__(
-            f"{device}: the last reading is {shown:.1f} ms old, "
+            f"{f'{device} {part}' if part else device}: the last reading is {shown:.1f} ms old, "
             f"at most {bound * 1e3:.1f} ms is allowed"
         )
 

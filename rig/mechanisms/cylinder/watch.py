@@ -139,7 +139,8 @@ class PairWatch:
         self._check_speed(position, now)
         are_taut = self._usual is not None and abs(change) < _AGREED * self._bound
         if are_taut and (cause := self._balance.explain_unseen()):
-            raise SafetyError(cause)
+            scatters = self._explain_scatter()
+            raise SafetyError(f"{scatters} ({cause})" if scatters else cause)
 
     def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""
@@ -156,7 +157,7 @@ class PairWatch:
             cause = self._explain_run() or self._balance.explain() or self.pressures.suspicion()
             cause = cause or self._explain_place(error)
         elif isinstance(error, PressureOff):
-            cause = explain_scatter(self._encoders, self._balance.rods)
+            cause = self._explain_scatter()
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def _explain_place(self, error: LimitExceeded) -> str | None:
@@ -204,8 +205,10 @@ class PairWatch:
                 continue
             way = abs(there - other)
             if way > self._frozen.distance and now - since > self._frozen.time:
+                scatters = self._explain_scatter()
+                what = f"{scatters}; or {self._encoders[k]}" if scatters else self._encoders[k]
                 raise SafetyError(
-                    f"{self._encoders[k]} is frozen, or the rod of {CHANNELS[k]} is jammed: the "
+                    f"{what} is frozen, or the rod of {CHANNELS[k]} is jammed: the "
                     f"other one moved on by {way * 1e3:.2f} mm while it said the same for "
                     f"{now - since:.3f} s [at most {self._frozen.distance * 1e3:g} mm for "
                     f"{self._frozen.time:g} s]"
@@ -226,7 +229,8 @@ class PairWatch:
 
     def _explain_mismatch(self, change: float) -> str:
         """Return why the rods disagree; a wire holds a rod back, and never pushes it out."""
-        cause = self._explain_still() or self._explain_run() or self._explain_against()
+        cause = self._explain_scatter() or self._explain_still()
+        cause = cause or self._explain_run() or self._explain_against()
         cause = cause or self._explain_blow()
         if cause is not None:
             return cause
@@ -236,6 +240,10 @@ class PairWatch:
         if not pulled:
             pushed += " while its wires were slack"
         return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale{pushed}"
+
+    def _explain_scatter(self) -> str | None:
+        """Return which encoder scatters: beside it the other one seems to stand."""
+        return explain_scatter(self._encoders, self._balance.rods)
 
     def _explain_still(self) -> str | None:
         """Return which encoder has said the same while the other one moved, or why its rod did."""

@@ -134,7 +134,8 @@ class JointWatch:
             self._wires.check(rods, unstretched, pressures, now)
             unseen = self._balance.explain_unseen()
             if unseen is not None and self._wires.agree(unstretched):
-                raise SafetyError(unseen)
+                scatters = explain_scatter(self._encoders, self._balance.rods)
+                raise SafetyError(f"{scatters} ({unseen})" if scatters else unseen)
             if self._camera is not None:
                 self._check_camera(self._camera, sample, now)
             tilt = tilt_of(self._wires.axis)

@@ -158,10 +158,12 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             positions += angles
             velocities += servo.velocities().value
             if t < oldest:
-                oldest, device = t, servo.name
+                oldest, late = t, servo
         self._age = now - oldest
-        if self._age > self.limits.reading_age:
-            raise StaleReading(device, self._age, self.limits.reading_age)
+        most = self.limits.reading_age
+        if self._age - most > 1e-9:  # times are sums of periods
+            part = f"joint {late.oldest_axis}" if late.oldest_axis else ""
+            raise StaleReading(late.name, self._age, most, part)
         order = self._order
         return self._kinds.state(
             now, tuple([positions[k] for k in order]), tuple([velocities[k] for k in order])

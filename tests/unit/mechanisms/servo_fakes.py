@@ -40,6 +40,7 @@ class FakeServo(Idle, ServoBus):
     """Drives that stand where a test says."""
 
     is_enabled = False
+    oldest_axis = ""
 
     def __init__(self, name, axis_names):
         self.name = name

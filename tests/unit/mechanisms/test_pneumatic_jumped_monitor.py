@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
+from rig.mechanisms.pneumatic.alarms.jumped import Jump, JumpedMonitors
 
 STEP, LEAST, JUMP = 2.0**-10, 2.0**14, 2.0**16
 CALM = 10
@@ -29,12 +29,12 @@ class Shown:
 
 @pytest.mark.parametrize("jump", [JUMP, -JUMP, 1.01 * LEAST, -1.01 * LEAST])
 def test_a_jump_that_stays_is_found_two_cycles_later_and_once(jump):
-    assert Shown().pass_by([jump] * 6) == [None, None, (1, jump), None, None, None]
+    assert Shown().pass_by([jump] * 6) == [None, None, Jump(1, jump, True), None, None, None]
 
 
 def test_it_is_found_while_a_valve_makes_up_for_it():
     found = Shown().pass_by([JUMP, 0.9 * JUMP, 0.8 * JUMP, 0.7 * JUMP])
-    assert found == [None, None, (1, JUMP), None]
+    assert found == [None, None, Jump(1, JUMP, True), None]
 
 
 @pytest.mark.parametrize(
@@ -61,16 +61,25 @@ def test_cycles_beside_a_jump_may_go_by_a_quarter_of_it():
     quarter = 0.25 * JUMP
     for before in (quarter, -quarter):
         found = Shown().pass_by([before, before + JUMP, before + JUMP + quarter, before + JUMP])
-        assert found == [None, None, None, (1, JUMP)]
+        assert found == [None, None, None, Jump(1, JUMP, True)]
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize("share", [0.9, 1.0])
-def test_a_jump_back_to_health_or_through_it_is_none(way, share):
+def test_a_jump_back_to_health_or_through_it_is_not_away(way, share):
     shown = Shown()
     shown.pass_by(np.linspace(0.0, way * JUMP, 100).tolist())
     shown.pass_by([way * JUMP] * CALM)
-    assert set(shown.pass_by([-share * way * JUMP] * 6)) == {None}
+    found = [one for one in shown.pass_by([-share * way * JUMP] * 6) if one]
+    assert found == [Jump(1, pytest.approx(-(1.0 + share) * way * JUMP), False)]
+
+
+def test_a_small_jump_does_not_hide_the_large_one_after_it():
+    small = 1.5 * LEAST
+    found = Shown().pass_by([small, small + 5.0 * LEAST] + [small + 5.0 * LEAST] * 3)
+    assert found == [None] * 5, "it goes on to"
+    late = Shown().pass_by([small, small] + [small + 7.0 * LEAST] * 4)
+    assert late == [None, None, None, None, Jump(1, 7.0 * LEAST, True), None]
 
 
 def test_what_was_missed_while_frames_were_lost_is_none():
@@ -97,7 +106,7 @@ def test_a_cycle_may_be_half_as_long_again():
     assert Shown().pass_by([JUMP], step=1.5 * STEP) == [None]
     shown = Shown()
     shown.pass_by([JUMP], step=1.5 * STEP)
-    assert shown.pass_by([JUMP] * 2) == [None, (1, JUMP)]
+    assert shown.pass_by([JUMP] * 2) == [None, Jump(1, JUMP, True)]
 
 
 def test_the_other_monitor_is_told_from_it():
@@ -106,13 +115,13 @@ def test_the_other_monitor_is_told_from_it():
         jumped.find((-JUMP * (k > 4), JUMP * (k > 90)), (1e5 + k, 1e5 - k), STEP) for k in range(9)
     ]
     assert found[:7] == [None] * 7
-    assert found[7] == (0, -JUMP)
+    assert found[7] == Jump(0, -JUMP, True)
 
 
 def test_a_monitor_that_is_off_may_jump_once_more():
     shown = Shown()
-    assert shown.pass_by([JUMP] * 20)[2] == (1, JUMP)
-    assert shown.pass_by([2.0 * JUMP] * 3)[-1] == (1, JUMP)
+    assert shown.pass_by([JUMP] * 20)[2] == Jump(1, JUMP, True)
+    assert shown.pass_by([2.0 * JUMP] * 3)[-1] == Jump(1, JUMP, True)
 
 
 class Vented:
@@ -174,4 +183,4 @@ def test_what_jumps_back_in_a_stop_is_found():
     vented = Vented(0.99)
     vented.pass_by([-JUMP] * 9)
     found = [one for one in vented.pass_by([0.0] * 9) if one]
-    assert found == [(0, pytest.approx(JUMP, rel=0.1))]
+    assert [one[:2] for one in found] == [(0, pytest.approx(JUMP, rel=0.1))]

@@ -5,7 +5,7 @@ from joint_fakes import CHANNELS
 from pressure_bench import NEVER, START, STEP, pressure_bounds
 
 from rig.hal import SafetyError
-from rig.hal.devices import VENTED
+from rig.hal.devices import HARMLESS, VENTED
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.vented import explain_left
 from rig.mechanisms.pneumatic.settings import RegulatorModel
@@ -67,6 +67,32 @@ def test_a_monitor_that_jumped_in_the_run_hides_what_is_stuck_behind_it(rig):
     said = rig.stop(400, stuck=[2])
     assert said.startswith("valves: ch3 still holds 65.0 kPa: its monitor says ")
     assert said.endswith("but has jumped by -60 kPa")
+
+
+@pytest.mark.parametrize(
+    ("there", "jump", "said"),
+    [
+        (HARMLESS - 200.0, -0.99 * (HARMLESS - VENTED), ""),
+        (HARMLESS + 500.0, -1.1 * (HARMLESS - VENTED), "ch3 still holds 20.5 kPa: its monitor "),
+    ],
+)
+def test_a_small_jump_stops_nobody_and_hides_no_more_than_is_harmless(there, jump, said):
+    rig = Rig()
+    rig.there[2] = there
+    assert rig.run(20) == ""
+    rig.off[2] = jump
+    assert rig.run(10) == ""
+    left = rig.stop(400, stuck=[2])
+    assert said in left and bool(left) is bool(said)
+
+
+def test_what_jumps_back_in_the_run_hides_nothing(rig):
+    small = 1.5 * (HARMLESS - VENTED)
+    for off in (small, 0.0):
+        rig.off[2] = off
+        assert rig.run(10) == ""
+    assert rig.watch.jumps[2] == pytest.approx(0.0, abs=10.0)
+    assert rig.stop(400) == ""
 
 
 def test_a_monitor_that_jumped_and_a_chamber_that_is_vented_are_safe(rig):

@@ -84,6 +84,15 @@ def test_the_device_with_the_oldest_reading_is_blamed(oldest):
     assert (error.device, error.age, error.bound) == (oldest, 2.0 * AGE, AGE)
 
 
+def test_of_a_device_the_joint_is_named_that_was_not_heard_of():
+    bench = ServoBench()
+    bench.left.t, bench.right.t = 1.0 - 2.0 * AGE, 1.0
+    bench.left.oldest_axis = "b"
+    with pytest.raises(StaleReading, match=r"^left joint b: the last reading is") as caught:
+        bench.axes.read(1.0)
+    assert caught.value.device == "left"
+
+
 def test_of_devices_with_equally_old_readings_the_first_is_blamed():
     with pytest.raises(StaleReading, match=r"^left: "):
         ServoBench().axes.read(1.0)
@@ -93,7 +102,9 @@ def test_of_devices_with_equally_old_readings_the_first_is_blamed():
 def test_a_reading_just_too_old_is_a_fault_beside_a_fresh_one(oldest):
     bench = ServoBench()
     bench.left.t = bench.right.t = 1.0
-    getattr(bench, oldest).t = 1.0 - AGE - TINY
+    getattr(bench, oldest).t = 1.0 - AGE - 2.0**-30
+    assert bench.axes.read(1.0).t == 1.0, "times are sums, and rounded"
+    getattr(bench, oldest).t = 1.0 - AGE - 2.0**-28
     with pytest.raises(StaleReading) as caught:
         bench.axes.read(1.0)
     assert caught.value.device == oldest

@@ -1,7 +1,7 @@
 """Whether a pressure monitor says from one cycle to the next what no air can have done."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 _ALONE: Final = 0.25
 """Air that moves goes on to: the cycles beside a jump may go by this share of it."""
@@ -14,8 +14,26 @@ _PASSED_OVER = 3.5
 by leaps."""
 
 
+class Jump(NamedTuple):
+    """A jump that a monitor has made.
+
+    Parameters
+    ----------
+    number : int
+        Of the monitor.
+    by : float
+        How far, Pa.
+    is_away : bool
+        Whether it went away from a healthy pressure.
+    """
+
+    number: int
+    by: float
+    is_away: bool
+
+
 class JumpedMonitors:
-    """Tells the monitor that jumps away from a healthy pressure within a cycle, and stays there.
+    """Tells the monitor that jumps within a cycle, and stays there.
 
     A connector that slips or a supply of the amplifier that breaks down does that; a chamber that
     is fed, vented or torn open moves for several cycles. A loop that is closed over the monitor
@@ -37,20 +55,18 @@ class JumpedMonitors:
         self._ways: list[float]
         self._jumps: list[float]
         self._stayed: list[int]
+        self._away: list[bool]
         self._last: tuple[float, ...] = ()
 
     def follow_stop(self) -> None:
         """Look at a safe stop from now on: what is `off` are the pressures themselves.
 
-        Nothing can be tripped any more: a cycle or two that missed something are passed over, and
-        what jumps back is looked for as well.
+        Nothing can be tripped any more: a cycle or two that missed something are passed over.
         """
         self._is_stopping, self._last = True, tuple(self._shown)
 
-    def find(
-        self, off: Sequence[float], shown: Sequence[float], step: float
-    ) -> tuple[int, float] | None:
-        """Take what a cycle reads; return which monitor has jumped and by how much, if one has.
+    def find(self, off: Sequence[float], shown: Sequence[float], step: float) -> Jump | None:
+        """Take what a cycle reads; return the jump that a monitor has made, if one has.
 
         Parameters
         ----------
@@ -77,20 +93,16 @@ class JumpedMonitors:
             way, way_before, self._ways[k] = here - before, self._ways[k], here - before
             jump = self._jumps[k]
             if jump:
-                if abs(way) > _ALONE * abs(jump):
-                    self._jumps[k] = 0.0
+                if abs(way) <= _ALONE * abs(jump):
+                    self._stayed[k] += 1
+                    if self._stayed[k] >= _AFTER:
+                        self._jumps[k] = 0.0
+                        found = Jump(k, jump, self._away[k])
                     continue
-                self._stayed[k] += 1
-                if self._stayed[k] >= _AFTER:
-                    self._jumps[k] = 0.0
-                    found = k, jump
-            elif (
-                abs(way) > self._least
-                and goes_on
-                and (self._is_stopping or abs(here) > abs(before))
-                and abs(way_before) <= _ALONE * abs(way)
-            ):
+                self._jumps[k] = 0.0  # what has not stayed may have been the first of a larger one
+            if abs(way) > self._least and goes_on and abs(way_before) <= _ALONE * abs(way):
                 self._jumps[k], self._stayed[k] = way, 0
+                self._away[k] = abs(here) > abs(before)
         return found
 
     def _restart(self, count: int, step: float) -> None:
@@ -99,4 +111,5 @@ class JumpedMonitors:
         self._goes_on = False
         self._ways = [0.0] * count
         self._jumps = [0.0] * count
+        self._away = [False] * count
         self._stayed = [0] * count

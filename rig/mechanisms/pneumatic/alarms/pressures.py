@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from rig.hal import SafetyError
+from rig.hal.devices import HARMLESS, VENTED
 from rig.mechanisms.pneumatic.alarms.answers import LEAST_LAG, ChannelAnswers
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
@@ -39,6 +40,8 @@ _EMPTY = 4.0
 """Of the hysteresis: up to so much an empty chamber's monitor may say the very same."""
 _LEAP = 2.0
 """Of the offset at rest: by so much a monitor that jumps within a cycle is off."""
+_HOP = HARMLESS - VENTED
+"""A monitor that jumps by less, Pa, hides no more than a chamber may hold."""
 
 
 class PressureOff(SafetyError):
@@ -93,10 +96,10 @@ class PressureWatch:
         self._ways = PressureWays(self._mean_time)
         loop = bounds.loop
         self._frozen = FrozenMonitors(bounds.time, _FROZEN * loop, _EMPTY * loop)
-        self._jumped = JumpedMonitors(_LEAP * bounds.offset)
+        self._jumped = JumpedMonitors(min(_HOP, _LEAP * bounds.offset))
         self._is_stopping = False
         self.jumps = [0.0] * len(self._names)
-        """By how much each monitor says too little since air came on, as its jumps have it, Pa."""
+        """By how much each monitor is off since air came on, as its jumps have it, Pa."""
 
     @property
     def device(self) -> str:
@@ -227,8 +230,10 @@ class PressureWatch:
         found = self._jumped.find(off, pressures, step)
         if found is None:
             return
-        k, jump = found
-        self.jumps[k] = min(self.jumps[k] + jump, 0.0)
+        k, jump, is_away = found
+        self.jumps[k] += jump
+        if not is_away or abs(jump) <= _LEAP * self._bounds.offset:
+            return
         raise PressureOff(
             f"{self._device}: the monitor of {self._names[k]} has jumped, and its air cannot "
             f"[{self._names[k]}: by {jump * 1e-3:+.0f} kPa from one cycle to the next, at most "

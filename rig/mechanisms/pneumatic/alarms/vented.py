@@ -32,11 +32,12 @@ def explain_left(
     found = []
     for name, here, jump, rest in zip(watch.names, shown, watch.jumps, safe, strict=True):
         says = f"its monitor says {1e-3 * here:.1f} kPa"
-        if jump < 0.0 and here - jump - rest > VENTED:
+        hidden = max(-jump, 0.0)
+        if hidden > 0.0 and here + hidden - rest > VENTED:
             found.append(
-                f"{name} still holds {1e-3 * (here - jump):.1f} kPa: {says}, but has jumped by "
+                f"{name} still holds {1e-3 * (here + hidden):.1f} kPa: {says}, but has jumped by "
                 f"{1e-3 * jump:+.0f} kPa"
             )
-        elif here - jump < -VENTED:
+        elif here + hidden < -VENTED:
             found.append(f"{name} still holds nobody knows what: {says}, as no chamber can")
     return f"{watch.device}: {', '.join(found)}" if found else ""
