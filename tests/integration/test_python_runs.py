@@ -74,7 +74,7 @@ def test_a_run_tells_what_was_recorded(recorded):
         recorded.metrics["marker_rms"]
     with pytest.raises(
         rig.ConfigurationError,
-        match=r"there are tracking, error, pressures, .*timing, limits$",
+        match=r"there are tracking, error, pressures, .*timing, limits, truth$",
     ):
         recorded.figure("nothing")
     with pytest.raises(rig.ConfigurationError, match="has not recorded what marker-track shows"):
