@@ -229,8 +229,7 @@ class PairWatch:
 
     def _explain_mismatch(self, change: float) -> str:
         """Return why the rods disagree; a wire holds a rod back, and never pushes it out."""
-        cause = self._explain_scatter() or self._explain_still()
-        cause = cause or self._explain_run() or self._explain_against()
+        cause = self._explain_still() or self._explain_run() or self._explain_against()
         cause = cause or self._explain_blow()
         if cause is not None:
             return cause
@@ -252,7 +251,7 @@ class PairWatch:
             said, other, _ = self._still[k]
             if here[k] == said and abs(here[1 - k] - other) > self._bound:
                 if self._history[-1].pulls[k] > self._sliding:
-                    return f"{self._encoders[k]} is frozen"
+                    return self._explain_scatter() or f"{self._encoders[k]} is frozen"
                 return (
                     f"the rod of {CHANNELS[k]} stays behind, as its chamber is empty: the carriage "
                     "was pushed or struck"

@@ -53,9 +53,8 @@ class JumpedMonitors:
         self._step: float
         self._goes_on: bool
         self._ways: list[float]
-        self._jumps: list[float]
+        self._jumps: list[Jump | None]
         self._stayed: list[int]
-        self._away: list[bool]
         self._last: tuple[float, ...] = ()
 
     def follow_stop(self) -> None:
@@ -92,17 +91,15 @@ class JumpedMonitors:
         for k, (here, before) in enumerate(zip(off, last, strict=True)):
             way, way_before, self._ways[k] = here - before, self._ways[k], here - before
             jump = self._jumps[k]
-            if jump:
-                if abs(way) <= _ALONE * abs(jump):
+            if jump is not None:
+                if abs(way) <= _ALONE * abs(jump.by):
                     self._stayed[k] += 1
                     if self._stayed[k] >= _AFTER:
-                        self._jumps[k] = 0.0
-                        found = Jump(k, jump, self._away[k])
+                        self._jumps[k], found = None, jump
                     continue
-                self._jumps[k] = 0.0  # what has not stayed may have been the first of a larger one
+                self._jumps[k] = None  # what has not stayed may have been the first of a larger one
             if abs(way) > self._least and goes_on and abs(way_before) <= _ALONE * abs(way):
-                self._jumps[k], self._stayed[k] = way, 0
-                self._away[k] = abs(here) > abs(before)
+                self._jumps[k], self._stayed[k] = Jump(k, way, abs(here) > abs(before)), 0
         return found
 
     def _restart(self, count: int, step: float) -> None:
@@ -110,6 +107,5 @@ class JumpedMonitors:
         self._step = step
         self._goes_on = False
         self._ways = [0.0] * count
-        self._jumps = [0.0] * count
-        self._away = [False] * count
+        self._jumps = [None] * count
         self._stayed = [0] * count

@@ -33,7 +33,7 @@ def explain_left(
     for name, here, jump, rest in zip(watch.names, shown, watch.jumps, safe, strict=True):
         says = f"its monitor says {1e-3 * here:.1f} kPa"
         hidden = max(-jump, 0.0)
-        if hidden > 0.0 and here + hidden - rest > VENTED:
+        if hidden and here + hidden - rest > VENTED:
             found.append(
                 f"{name} still holds {1e-3 * (here + hidden):.1f} kPa: {says}, but has jumped by "
                 f"{1e-3 * jump:+.0f} kPa"
