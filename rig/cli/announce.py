@@ -27,10 +27,12 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
         It is refused whatever the operator says.
     """
     from rig.assembly import Backend, backend_of
+    from rig.cli.check_warnings import tell_warnings
     from rig.hal import RigError
 
     if backend_of(on) is not Backend.HARDWARE:
         return True
+    asked = plan.profile
     try:
         plan = _permitted(plan, on, uncommissioned)
     except RigError as error:
@@ -39,6 +41,7 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
         raise
     for sentence in announcement(plan):
         click.echo(sentence, err=True)
+    tell_warnings(asked)  # of all that it may do, as `rig check` does, commissioned or not
     return confirm(plan.profile.name, yes)
 
 

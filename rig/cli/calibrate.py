@@ -175,7 +175,7 @@ def _calibrate(
     What was found is appended to what is `done`, as plain data; the loops as they are now take the
     place of those that are `known`.
     """
-    from rig.assembly import backend_of
+    from rig.assembly import Backend, backend_of
     from rig.calibration.preview import preview
     from rig.calibration.procedure import FilesOffered
     from rig.calibration.recording import CalibrationRefused, NoFiles, Recording, RigLacks
@@ -208,8 +208,10 @@ def _calibrate(
             folders = []
             data, folder = procedure.read_files(profile, files)
         else:
-            moves = bool(excitation.motion.segments)
-            if not _agreed(profile, backend, options["yes"], moves=moves):
+            moves, warned = bool(excitation.motion.segments), options.setdefault("warned", set())
+            if backend is Backend.HARDWARE:
+                _refuse_unfit(profile, search, warned, moves=moves)
+            if not _agreed(profile, backend, options["yes"]):
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
@@ -349,16 +351,26 @@ class _Placing:
         return self._count == 1
 
 
-def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool) -> bool:
-    from rig.assembly import Backend, check_fitness
-    from rig.cli.confirm import confirm
+def _refuse_unfit(
+    profile: Profile, search: Sequence[Path], warned: set[str], *, moves: bool
+) -> None:
+    """Refuse hardware that must not move; else warn as `rig check` does, once in a command."""
+    from rig.assembly import check_fitness
+    from rig.cli.check_warnings import tell_warnings
     from rig.experiment.fault_latch import FaultLatch
+
+    FaultLatch.of(profile).check()
+    if moves:
+        check_fitness(profile)
+    tell_warnings(profile, search, warned)
+
+
+def _agreed(profile: Profile, backend: Backend, yes: str | None) -> bool:
+    from rig.assembly import Backend
+    from rig.cli.confirm import confirm
     from rig.hal import ConfigurationError
 
     if backend is Backend.HARDWARE:
-        FaultLatch.of(profile).check()
-        if moves:
-            check_fitness(profile)
         return confirm(profile.name, yes)
     if yes is not None:
         return True

@@ -76,6 +76,7 @@ def check(
         experiment_tables,
         profile_tables,
     )
+    from rig.config.names import find_configs
 
     profile, plan = load(source, with_seed(overrides, seed), configs, rig_name)
     if values is not None:
@@ -109,7 +110,7 @@ def check(
         refused += refusals_of_plan(plan, bound)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
-    warnings = warnings_of(profile, configs)
+    warnings = warnings_of(profile, find_configs(configs))
     if as_json:
         print_json({**content, "warnings": warnings, "refused_on_hardware": refused})
     else:

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 if TYPE_CHECKING:
     from rig.config import Profile
 
@@ -13,23 +15,44 @@ _MOST_UNITLESS = 12
 """Numbers without a unit that are told one by one."""
 
 
-def warnings_of(profile: Profile, configs: Path | None) -> list[str]:
+def tell_warnings(
+    profile: Profile, search: Sequence[Path] | None = None, told: set[str] | None = None
+) -> None:
+    """Say what `rig check` warns of, before hardware moves by it.
+
+    Parameters
+    ----------
+    profile : Profile
+        Checked.
+    search : sequence of Path, optional
+        Folders of configurations; default: the profile's own, then the usual ones.
+    told : set of str, optional
+        What this command has said already, which is not said again; it gets what is said here.
+    """
+    from rig.commissioning.permission import configs_of
+
+    told = set() if told is None else told
+    for sentence in warnings_of(profile, configs_of(profile) if search is None else search):
+        if sentence not in told:
+            click.echo(f"warning: {sentence}", err=True)
+            told.add(sentence)
+
+
+def warnings_of(profile: Profile, search: Sequence[Path]) -> list[str]:
     """Return what `rig check` warns of.
 
     Parameters
     ----------
     profile : Profile
         Checked.
-    configs : Path, optional
-        The folder of configurations that was asked for.
+    search : sequence of Path
+        The folders of configurations.
     """
     from rig.cli.inherited import inherited_sentences
     from rig.cli.plant_remarks import plant_remarks
     from rig.config.calibration_state import sentences_of_bases
-    from rig.config.names import find_configs
     from rig.config.records import sentences_of_records
 
-    search = find_configs(configs)
     inherited = inherited_sentences(profile, search)
     elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     strange = [*_strange_units(profile), *_unitless(profile.unitless)]

@@ -139,19 +139,21 @@ def _commission(
     on, backend = options["on"], backend_of(options["on"])
     if backend is Backend.SIM:
         raise ConfigurationError("--on sim has no buses and no drivers, so nothing to test")
-    if backend is Backend.HARDWARE and not confirm(profile.name, options["yes"]):
-        return 2
+    circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
+    record = begin(profile, search, circumstances, anew=options["anew"])
+    lacking = missing(record, [step.name for step in steps])
+    if backend is Backend.HARDWARE:
+        _announce(profile, [step for step in steps if step.name in lacking], search)
+        if not confirm(profile.name, options["yes"]):
+            return 2
     for folder, what in (
         (search[0] / FOLDER, f"the record of {profile.name}"),
         (options["out"], "run folders"),
     ):
         check_writable(folder, what)
     site = _site(profile, options, stop)
-    circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
-    record = begin(profile, search, circumstances, anew=options["anew"])
     file = options["answers"]
     if asked is not None and file is not None:
-        lacking = missing(record, [step.name for step in steps])
         check_answers(file, read_answers(file), asked, lacking)
     click.echo(f"the record of {profile.name} is kept in {say_where(search[0])}", err=True)
     seed = "" if options["seed"] is None else f" --seed {options['seed']}"
@@ -179,6 +181,29 @@ def _commission(
     else:
         click.echo(f"a rehearsal; next: rig commission {profile.argument} --on hardware", err=True)
     return 0
+
+
+def _announce(profile: Profile, steps: Sequence[AcceptanceStep], search: Sequence[Path]) -> None:
+    """Say what will be done, how far it may go and what `rig check` warns of.
+
+    Raises
+    ------
+    DeviceError
+        No step with the rig can be taken, whatever the operator says.
+    """
+    from rig.assembly import check_fitness
+    from rig.cli.announce import limits
+    from rig.cli.check_hardware import refusals_of
+    from rig.cli.check_warnings import tell_warnings
+
+    check_fitness(profile)
+    told = ":" if steps else " has passed every step; nothing is done again"
+    click.echo(f"the acceptance test of {profile.name}{told}", err=True)
+    for line in (*(f"  {step.name}: {step.does}" for step in steps), *limits(profile)):
+        click.echo(line, err=True)
+    tell_warnings(profile, search)
+    for sentence in refusals_of(profile):
+        click.echo(f"until it is mended, no run on hardware: {sentence}", err=True)
 
 
 def _keep(command: str, runs: Path, stopped: str) -> None:

@@ -37,13 +37,14 @@ def check(
         describe_profile,
     )
     from rig.cli.loops import describe_loop
+    from rig.config.names import find_configs
     from rig.experiment.frozen import longest_freeze
 
     folder = None if configs is None else Path(configs)
     profile, plan = load(str(source), as_options(set), folder)
     check_channels(profile)
     described = dict(describe_profile(profile))
-    warnings, refused = warnings_of(profile, folder), list(refusals_of(profile))
+    warnings, refused = warnings_of(profile, find_configs(folder)), list(refusals_of(profile))
     if plan is None:
         return {**described, "warnings": warnings, "refused_on_hardware": refused}
     bound = longest_freeze(plan)
