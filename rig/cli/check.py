@@ -171,4 +171,30 @@ def load(
     except ProfileError as error:
         raise with_what_else(error) from error
     check_profile(profile)
+    _check_laws(profile)
     return profile, None
+
+
+def _check_laws(profile: Profile) -> None:
+    """Refuse a rig that leaves none of its laws any room, as whatever is run on it would be.
+
+    Raises
+    ------
+    MotionRefused
+        What the first of them says.
+    """
+    from rig.assembly import make_law
+    from rig.config.located import places_named
+    from rig.hal import MotionRefused
+
+    refused: list[str] = []
+    for name in profile.controllers:
+        try:
+            make_law(profile, name)
+        except MotionRefused as error:
+            refused.append(str(error))
+        else:
+            return  # which law it is, an experiment says; `rig check EXPERIMENT` checks that one
+    for said in refused[:1]:
+        told = places_named(said, {}, profile.places, profile.mechanism)
+        raise MotionRefused(f"{profile.name}: {told}")

@@ -6,10 +6,14 @@ from pathlib import Path
 
 import pytest
 
+import rig
 from rig.assembly import REGISTRY, Backend, build_rig
 from rig.cli import invoke
 from rig.config import find_configs, load_profile
+from rig.hal import ConfigurationError
 
+AREA, BREAKAWAY = 1.8143e-4, 12.5
+"""Of the shipped cylinder, m² and N."""
 CONFIGS = Path(__file__).parents[2] / "configs"
 RIGS = sorted(path.stem for path in (CONFIGS / "rigs").glob("*.yaml"))
 
@@ -102,6 +106,36 @@ def test_a_cut_wire_beyond_the_limit_is_warned_of_with_the_pressure_that_keeps_i
     assert len(warnings_of(capsys, "cylinder", "--set", more)) == 1
 
 
+def test_a_pressure_that_moves_nothing_is_not_recommended(capsys):
+    """Of a third of the speed, and of all at which a lower pressure still moves the pair."""
+    for speed, is_moved in ((150, False), (200, False), (400, True)):
+        words = ["--set", f"cylinder.limits.speed={speed} mm/s"]
+        sentence = next(s for s in warnings_of(capsys, "cylinder", *words) if "limits.speed" in s)
+        calm = float(re.search(r"base_pressure .*?([\d.]+) kPa \(it is 95 kPa\)", sentence)[1])
+        assert ("of at most" in sentence) is is_moved
+        pull = 2.0 * AREA * (calm - 20.0) * 1e3
+        assert (pull >= 1.6 * BREAKAWAY) is is_moved
+        if not is_moved:
+            assert "too low to move the seals" in sentence and f"{BREAKAWAY:g} N" in sentence
+            told = float(re.search(r"leaves a pair ([\d.]+) N", sentence)[1])
+            assert told == pytest.approx(pull, rel=1e-3)
+            assert "a damper of " in sentence and "(limits.stop_energy)" in sentence
+
+
+def test_a_pressure_that_a_run_refuses_is_refused_here_in_the_same_words(capsys):
+    words = ["--set", "cylinder.base_pressure=18 kPa"]
+    said = []
+    for command in (["run", "cylinder-step"], ["check", "cylinder-step"], ["check", "cylinder"]):
+        assert invoke([*command, *words]) == 2
+        said.append(capsys.readouterr().err.replace("cylinder-step:", "cylinder:"))
+    assert "leaves no differential between the pressure floor" in said[0]
+    assert said == said[:1] * 3
+    with pytest.raises(ConfigurationError, match="leaves no differential"):
+        rig.check("cylinder", set={"cylinder.base_pressure": 18e3})
+    held = ["--set", "controllers.cascade.pressure_floor=10 kPa"]
+    assert invoke(["check", "cylinder", *words, *held]) == 0
+
+
 def bored(folder, *lines):
     """Write a rig of another bore than the one that it extends."""
     rig = folder / "bored.yaml"
@@ -111,7 +145,7 @@ def bored(folder, *lines):
 
 
 def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys):
-    rig = bored(tmp_path, "  base_pressure: 50 kPa")
+    rig = bored(tmp_path, "  base_pressure: 58 kPa")
     sentence, limits = warnings_of(capsys, rig)
     assert limits.startswith("limits.pair_force: from ")
     assert "friction, moving_mass and the gains of pid, pid-friction, cascade: from " in sentence
@@ -121,7 +155,7 @@ def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys
 
 def test_what_a_rig_says_itself_is_not_its_parents(tmp_path, capsys):
     own = [
-        "  base_pressure: 50 kPa",
+        "  base_pressure: 58 kPa",
         "  moving_mass: 0.14 kg",
         "  friction: {coulomb: 9 N, breakaway: 9 N, stribeck_velocity: 8 mm/s, viscous: 50}",
         "  limits: {pair_force: 90 N}",

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from rig.hal.formats import format_quantity
 from rig.hal.quantities import Expected
+from rig.mechanisms.pneumatic.pull import say_too_low
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _STEP = 1e-4
@@ -150,12 +151,7 @@ def expect_cut_wire(
     damper = compute_damper(settings, settings.base_pressure)
     warning = ""
     if base.speed > settings.limits.speed:
-        warning = (
-            f"that is above limits.speed, {format_quantity(settings.limits.speed, 'm/s')}: a "
-            f"base_pressure of at most {format_quantity(calm, 'Pa')} (it is "
-            f"{format_quantity(settings.base_pressure, 'Pa')}) keeps it, or a damper of "
-            f"{format_quantity(damper, 'N s/m')} at each rod"
-        )
+        warning = _say_too_fast(settings, calm, damper, most.energy)
     return (
         Expected("a cut wire at base_pressure: speed up to", base.speed, "m/s", warning),
         Expected("a cut wire at base_pressure: energy up to", base.energy, "J"),
@@ -165,6 +161,22 @@ def expect_cut_wire(
         Expected(f"the same with {_SMOOTH:g} of the friction", smooth.energy, "J"),
         Expected("base_pressure that keeps limits.speed", calm, "Pa"),
         Expected("or a damper at each rod", damper, "N s/m"),
+    )
+
+
+def _say_too_fast(settings: PneumaticSettings, calm: float, damper: float, energy: float) -> str:
+    """Say what keeps `limits.speed`; a pressure only at which the pair can still be moved."""
+    above = f"that is above limits.speed, {format_quantity(settings.limits.speed, 'm/s')}"
+    pressure = (
+        f"{format_quantity(calm, 'Pa')} (it is {format_quantity(settings.base_pressure, 'Pa')})"
+    )
+    at_rods = f"a damper of {format_quantity(damper, 'N s/m')} at each rod"
+    if not (too_low := say_too_low(settings, calm)):
+        return f"{above}: a base_pressure of at most {pressure} keeps it, or {at_rods}"
+    return (
+        f"{above}. A base_pressure that keeps it, {pressure}, is too low to move the seals: "
+        f"{too_low}. What keeps it is {at_rods}; or let it be as fast (limits.speed), and have a "
+        f"stop that bears {format_quantity(energy, 'J')} (limits.stop_energy)"
     )
 
 
