@@ -9,7 +9,7 @@ import numpy as np
 from rig.calibration.arrays import Array
 from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import Evaluation, evaluation_from_json
-from rig.hal import RigError
+from rig.hal import ConfigurationError, RigError
 from rig.hal.motion import Segment
 from rig.run_facts import EVALUATION
 from rig.run_folder import RunFolder
@@ -139,3 +139,15 @@ class Recording:
         for path in self.paths:
             digest.update(path.read_bytes())
         return digest.hexdigest()
+
+
+def with_cycles(folders: Sequence[Path]) -> list[Path]:
+    """Return the run folders whose log holds a cycle: of others there is nothing to go on from."""
+    return [folder for folder in folders if _has_cycles(folder)]
+
+
+def _has_cycles(folder: Path) -> bool:
+    try:
+        return len(read_log(RunFolder.open(folder).log_path).t) > 0
+    except (LogError, ConfigurationError):
+        return False

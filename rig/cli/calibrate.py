@@ -235,9 +235,8 @@ def _calibrate(
     except CalibrationRefused as refusal:
         return _tell_refused(procedure, profile, refusal, folders)
     except KeyboardInterrupt:
-        if not folders:
+        if not (again := _going_on(procedure, profile, folders)):
             raise
-        again = _again(procedure, profile, folders)
         click.echo(f"interrupted; what was recorded is kept, go on with: {again}", err=True)
         return 130
     loops = _loops(profile, search, options, calibrated)
@@ -284,6 +283,14 @@ def _again(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -
     return f"rig calibrate {profile.argument} {words}"
 
 
+def _going_on(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -> str:
+    """Return the command that goes on from what was recorded; empty: nothing was."""
+    from rig.calibration.recording import with_cycles
+
+    kept = with_cycles(folders)
+    return _again(procedure, profile, kept) if kept else ""
+
+
 def _tell_ended(
     procedure: AnyProcedure,
     profile: Profile,
@@ -291,8 +298,9 @@ def _tell_ended(
     folders: Sequence[Path],
 ) -> int:
     click.echo(f"{result.status}: {result.message}", err=True)
-    again = _again(procedure, profile, folders)
-    click.echo(f"nothing was changed; what was recorded is kept, go on with: {again}", err=True)
+    again = _going_on(procedure, profile, folders)
+    kept = f"what was recorded is kept, go on with: {again}" if again else "nothing was recorded"
+    click.echo(f"nothing was changed; {kept}", err=True)
     return result.exit_code
 
 
@@ -304,8 +312,7 @@ def _tell_refused(
 ) -> int:
     click.echo(f"{procedure.name}: {refusal}", err=True)
     click.echo("nothing was changed: the calibration before stays in force", err=True)
-    if folders:
-        again = _again(procedure, profile, folders)
+    if again := _going_on(procedure, profile, folders):
         click.echo(
             f"what was recorded is kept; if something is missing, go on with: {again}", err=True
         )
