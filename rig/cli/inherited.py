@@ -32,7 +32,7 @@ def inherited_sentences(profile: Profile, search: Sequence[Path]) -> list[str]:
     for base in _bases(profile) if varies_with else ():
         others = dict(_other_dimensions(profile, base, search, varies_with))
         affected = dict.fromkeys(key for dimension in others for key in varies_with[dimension])
-        keys = [key for key in affected if _stands_in(f"{profile.mechanism}.{key}", base, profile)]
+        keys = [key for name in affected for key in _keys_in(name, base, profile)]
         laws = [
             law
             for law in profile.controllers
@@ -86,6 +86,16 @@ def _bases(profile: Profile) -> list[Path]:
     """Return the files that a profile extends, without its calibrations."""
     overlays = tuple(calibration.file for calibration in profile.calibrations.values())
     return [file for file in profile.files[1:] if not (overlays and str(file).endswith(overlays))]
+
+
+def _keys_in(name: str, file: Path, profile: Profile) -> list[str]:
+    """Return what of a setting stands in a file: all of it, or those of its keys that do."""
+    prefix = f"{profile.mechanism}."
+    below = [key for key in profile.places if key.startswith(f"{prefix}{name}.")]
+    keys = [key for key in below if profile.places[key].startswith(f"{file}:")]
+    if keys == below:  # or it has none: then it counts where it stands itself
+        return [name] if _stands_in(f"{prefix}{name}", file, profile) else []
+    return [key.removeprefix(prefix) for key in keys]
 
 
 def _stands_in(prefix: str, file: Path, profile: Profile) -> bool:

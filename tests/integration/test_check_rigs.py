@@ -153,6 +153,19 @@ def test_what_a_rig_of_another_bore_has_from_its_parent_is_told(tmp_path, capsys
     assert f"Next: rig calibrate {rig} --all, then rig tune {rig}" in sentence
 
 
+def test_of_what_is_measured_in_part_the_key_is_named_that_nobody_has_measured(tmp_path, capsys):
+    own = [
+        "  base_pressure: 58 kPa",
+        "  moving_mass: 0.14 kg",
+        "  friction: {coulomb: 9 N, breakaway: 9 N, viscous: 50}",
+    ]
+    sentence, _ = warnings_of(capsys, bored(tmp_path, *own))
+    assert sentence.startswith("friction.stribeck_velocity and the gains of pid, ")
+    assert sentence.endswith(
+        "What of friction.stribeck_velocity no calibration finds is yours to write"
+    )
+
+
 def test_what_a_rig_says_itself_is_not_its_parents(tmp_path, capsys):
     own = [
         "  base_pressure: 58 kPa",

@@ -160,3 +160,10 @@ class CylinderSettings(PneumaticSettings):
         """
         clipped = self.base_pressure + 0.5 * self.limits.pair_force / self.area
         return min(clipped, self.limits.pressure[1])
+
+    @property
+    def lowers_pressure(self) -> str:
+        """See `PneumaticSettings.lowers_pressure`."""
+        if self.greatest_pressure == self.limits.pressure[1]:
+            return "limits.pressure"
+        return "base_pressure or limits.pair_force"

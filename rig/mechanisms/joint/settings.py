@@ -143,6 +143,13 @@ class JointSettings(PneumaticSettings):
         return min(self.limits.tension[1] / self.area, self.limits.pressure[1])
 
     @property
+    def lowers_pressure(self) -> str:
+        """See `PneumaticSettings.lowers_pressure`."""
+        if self.greatest_pressure == self.limits.pressure[1]:
+            return "limits.pressure"
+        return "limits.tension"
+
+    @property
     def sway(self) -> float:
         """How far a rod may go while nothing controls the ring, m."""
         return _SWAY * self.limits.tilt * self.geometry.ball_radius

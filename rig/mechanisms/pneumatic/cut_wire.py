@@ -186,14 +186,21 @@ def refuse_weak_stop(settings: PneumaticSettings, wires: int, greatest: float) -
     declared = settings.limits.stop_energy
     if declared is not None and declared >= energy:
         return None
-    has = "is not declared" if declared is None else f"is {declared:g} J"
+    mend = "Give the energy that the stop bears, once it has been built and tried"
+    has = "is not declared"
+    if declared is not None:
+        has = f"is {declared:g} J"
+        mend = (
+            f"The stop is too weak: it takes one that bears {energy:.3g} J at least. It takes less "
+            f"with a lower {settings.lowers_pressure}, or with a damper at each rod "
+            "(friction.viscous)"
+        )
     smooth = compute_whip(_with_less_friction(settings), wires, greatest).energy
     return (
         f"limits.stop_energy {has}: a wire that is cut throws the mechanism into its mechanical "
         f"stop with up to {energy:.3g} J ({greatest * 1e-3:.0f} kPa opposite it), and with "
         f"{smooth:.3g} J if its seals have {_SMOOTH:g} of the friction that the profile says, as "
-        "they may where nobody has measured it. Give the energy that the stop bears, once it has "
-        "been built and tried"
+        f"they may where nobody has measured it. {mend}"
     )
 
 

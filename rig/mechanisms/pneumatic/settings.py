@@ -206,6 +206,11 @@ class PneumaticSettings:
         return self.limits.pressure[1]
 
     @property
+    def lowers_pressure(self) -> str:
+        """What of the settings makes `greatest_pressure` less, in words."""
+        return "limits.pressure"
+
+    @property
     def feeder(self) -> str:
         """What feeds a chamber, in words."""
         return "regulator" if self.valves is None else "valve"

@@ -241,7 +241,29 @@ def test_a_stop_must_be_declared_and_bear_what_comes():
         assert (said is not None) is refused
         if refused:
             assert f"limits.stop_energy is {declared:g} J: " in said
+            assert f"is too weak: it takes one that bears {energy:.3g} J at least" in said
+            assert "a lower base_pressure or limits.pair_force, or with a damper" in said
+            assert "Give the energy" not in said
             assert f"({PAIR.greatest_pressure / 1000:.0f} kPa opposite it)" in said
+
+
+@pytest.mark.parametrize("rig", [PAIR, JOINT], ids=["cylinder", "joint"])
+def test_what_is_said_to_lower_the_pressure_does(rig):
+    """Each alone, and the top of the range where that is what bounds it."""
+    for key in rig.lowers_pressure.split(" or "):
+        assert lowered(rig, key).greatest_pressure < rig.greatest_pressure
+    limits = dataclasses.replace(rig.limits, pressure=(0.0, rig.greatest_pressure - 1e3))
+    tight = dataclasses.replace(rig, limits=limits)
+    assert tight.lowers_pressure == "limits.pressure"
+
+
+def lowered(rig, key):
+    name = key.removeprefix("limits.")
+    if name == key:
+        return dataclasses.replace(rig, **{key: 0.9 * getattr(rig, key)})
+    value = getattr(rig.limits, name)
+    value = (value[0], 0.9 * value[1]) if isinstance(value, tuple) else 0.9 * value
+    return dataclasses.replace(rig, limits=dataclasses.replace(rig.limits, **{name: value}))
 
 
 def test_the_greatest_pressure_is_what_the_limits_leave():
