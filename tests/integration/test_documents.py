@@ -138,7 +138,7 @@ def test_the_page_shows_the_question_and_the_program_asks_it(tmp_path):
     code, said = at_a_terminal(shlex.split(command), tmp_path, "nobody")
     assert code == 2 and said.endswith("that is not its name: nothing was done\n"), said
     assert doctest.OutputChecker().check_output(
-        shape(question), shape(said.partition("nobody")[0]), doctest.ELLIPSIS
+        shape(question), shape(said.rpartition("nobody\n")[0]), doctest.ELLIPSIS
     ), said
     assert not (tmp_path / "runs").exists()
 

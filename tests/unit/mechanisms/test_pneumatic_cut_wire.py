@@ -306,3 +306,15 @@ def test_a_speed_above_the_limit_is_warned_of_and_one_at_it_is_not():
     assert warnings[1.0] == warnings[1.1] == []
     [sentence] = warnings[0.9]
     assert "above limits.speed" in sentence and "base_pressure of at most" in sentence
+
+
+def test_a_pressure_at_which_no_seal_lets_go_is_not_recommended():
+    slow = compute_whip(PAIR, 2, 30e3).speed  # the pressure that keeps it is below 30 kPa
+    tight = dataclasses.replace(PAIR, limits=dataclasses.replace(PAIR.limits, speed=slow))
+    told = expect_cut_wire(tight, 2, 285e3)
+    [sentence] = [quantity.warning for quantity in told if quantity.warning]
+    pull = 2.0 * PAIR.area * (30e3 - 20e3)
+    assert pull < 1.6 * PAIR.friction.breakaway
+    assert "is too low to move the seals: it leaves a pair" in sentence
+    energy = compute_whip(tight, 2, 285e3).energy
+    assert f"a stop that bears {energy:.4g} J" in sentence and "a damper of" in sentence
