@@ -1,7 +1,6 @@
 """The figure of what was true of a rig that was broken, until after its program had ended."""
 
-import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypedDict
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line
 from rig.report.style import GREY, INK, PAGE, PALETTE, VERMILION, new_figure
 from rig.run_facts import TRUTH, TRUTH_COLUMNS, read_events
+from rig.typed_json import read_json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +23,24 @@ _MARKED = {"injected": VERMILION, "fault": INK, "hazard": VERMILION, "not counte
 """Kinds of events that are lines; what was injected is dashed."""
 _SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa"), "rad": (180.0 / np.pi, "deg"),
            "rad/s": (180.0 / np.pi, "deg/s")}  # fmt: skip
+
+
+class _What(TypedDict):
+    """A quantity that has bounds, in SI."""
+
+    column: str
+    hazard: str
+    unit: str
+    low: float | None
+    high: float | None
+    only_safe: bool
+
+
+class _Told(TypedDict):
+    """The part of ``truth.json`` that is drawn."""
+
+    ended: float
+    judged: list[_What]
 
 
 class _Judged(NamedTuple):
@@ -42,7 +60,7 @@ def draw_truth(run: RunData) -> "Figure | None":
     path = run.folder.path / TRUTH
     if not path.is_file():
         return None
-    told: dict[str, Any] = json.loads((path.parent / TRUTH_COLUMNS).read_text(encoding="utf-8"))
+    told = read_json(path.parent / TRUTH_COLUMNS, _Told)
     with np.load(path) as kept:
         if "judged" not in kept:
             return None
