@@ -6,7 +6,6 @@ import pytest
 
 from rig.cli import invoke
 
-
 COMMISSION = ["commission", "cylinder", "--on", "hardware"]
 BUILT = "cylinder.limits.stop_energy=20 J"
 
