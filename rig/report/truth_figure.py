@@ -26,7 +26,7 @@ _SCALES = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa"), "rad": (180.0 / np.pi, "deg"),
 
 
 class _What(TypedDict):
-    """A quantity that has bounds, in SI."""
+    """A quantity that has bounds, in SI; None: none on that side."""
 
     column: str
     hazard: str
@@ -44,14 +44,9 @@ class _Told(TypedDict):
 
 
 class _Judged(NamedTuple):
-    """A quantity that has bounds (None: none on that side), and what it came to, shape (n,)."""
+    """A quantity that has bounds, and what it came to, shape (n,)."""
 
-    column: str
-    hazard: str
-    unit: str
-    low: float | None
-    high: float | None
-    only_safe: bool
+    what: _What
     values: "NDArray[np.float64]"
 
 
@@ -68,11 +63,11 @@ def draw_truth(run: RunData) -> "Figure | None":
     events = [(event["kind"], event.get("t")) for event in read_events(run.folder.path)]
     broke = [at for kind, at in events if kind == "injected" and at is not None]
     part = t >= (min(broke) - _BEFORE if broke else t[0])
-    rows = [_Judged(**row, values=judged[part, k]) for k, row in enumerate(told["judged"])]
+    rows = [_Judged(what, judged[part, k]) for k, what in enumerate(told["judged"])]
     panels: dict[tuple[str, ...], list[_Judged]] = {}
     for row in rows:
-        shares = [r.column for r in rows if r.hazard == row.hazard]
-        panels.setdefault((*shares, row.unit), []).append(row)
+        shares = [r.what["column"] for r in rows if r.what["hazard"] == row.what["hazard"]]
+        panels.setdefault((*shares, row.what["unit"]), []).append(row)
     figure = new_figure(PAGE, 18.0 + _PANEL * len(panels))
     for axes, of in zip(
         np.ravel(figure.subplots(len(panels), 1, sharex=True)), panels.values(), strict=True
@@ -91,18 +86,19 @@ def draw_truth(run: RunData) -> "Figure | None":
 
 def _draw_panel(axes: "Axes", t: "NDArray[np.float64]", rows: list[_Judged], ended: float) -> None:
     """Draw the columns of one panel, and every bound that they have."""
-    factor, unit = _SCALES.get(rows[0].unit, (1.0, rows[0].unit))
-    columns = {row.column: row.values for row in rows}
+    factor, unit = _SCALES.get(rows[0].what["unit"], (1.0, rows[0].what["unit"]))
+    columns = {row.what["column"]: row.values for row in rows}
     for (name, values), color in zip(columns.items(), PALETTE * len(columns), strict=False):
         draw_line(axes, t, factor * values, color, name)
     reach = factor * max(float(np.nanmax(np.abs(row.values))) for row in rows)
-    for row in {(row.hazard, row.low, row.high, row.only_safe): row for row in rows}.values():
-        start = ended if row.only_safe else float(t[0])
-        for bound in (row.low, row.high):
+    # Columns of one hazard share its bounds.
+    for what in {row.what["hazard"]: row.what for row in rows}.values():
+        start = ended if what["only_safe"] else float(t[0])
+        for bound in (what["low"], what["high"]):
             if bound is not None and abs(factor * bound) < 1.5 * reach:
                 level = factor * bound
                 axes.plot([start, float(t[-1])], [level, level], color=GREY, lw=0.8, ls="--")
-    axes.set_ylabel(f"{rows[0].hazard} ({unit})")
+    axes.set_ylabel(f"{rows[0].what['hazard']} ({unit})")
     if len(columns) > 1:
         axes.legend(ncols=4, frameon=False, fontsize=6)
 
