@@ -10,6 +10,8 @@ RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
 LATEST = "latest"
 """Stands for the newest run, alone or behind a folder of runs: a word, and no file."""
+_DEEPEST = 4
+"""Folders down: ``FOLDER/seed-3/CASE/RUN`` are those of a campaign, and one more holds several."""
 MANIFEST = "manifest.json"
 """What makes a folder a run folder; here so that listing needs nothing that is slow."""
 
@@ -30,6 +32,34 @@ def list_runs(out: Path) -> list[Path]:
         raise ConfigurationError(f"cannot list {out}: {reason_unread(out, error)}") from error
     # The name starts with the UTC time; of one second, the longer suffix is the later run.
     return sorted(found, key=_age_key, reverse=True)
+
+
+def list_runs_within(out: Path) -> list[Path]:
+    """Return the run folders in a folder, or else those in folders within it, newest first.
+
+    So lie the cases of a campaign. What may not be looked into has none to show.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder is there and cannot be read.
+    """
+    if found := list_runs(out):
+        return found
+    within = [out]
+    for _ in range(_DEEPEST):
+        folders = [path for folder in within for path in _folders_in(folder)]
+        runs = {path for path in folders if _is_run(path)}
+        found += runs
+        within = [path for path in folders if path not in runs]
+    return sorted(found, key=_age_key, reverse=True)
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        return [path for path in folder.iterdir() if path.is_dir() and not path.is_symlink()]
+    except OSError:
+        return []
 
 
 def _is_run(path: Path) -> bool:

@@ -12,7 +12,7 @@ import click
 
 from rig.cli.names import OneOf, configs_option, json_option, out_option
 from rig.cli.tables import Table, print_json, print_tables, visible
-from rig.run_names import list_runs
+from rig.run_names import list_runs_within
 
 if TYPE_CHECKING:
     from rig.config.names import Folder
@@ -71,7 +71,7 @@ def listing(
                 made[folder] = found = list_configs(folder, search)
                 tables.append(Table(folder, ("name", "description"), [c[:2] for c in found]))
     if what in (None, "runs"):
-        everything = [describe_run(path) for path in list_runs(out)]
+        everything = [_by_path(path, out) for path in list_runs_within(out)]
         made["runs"] = runs = everything if where is None else _chosen(everything, where)
         header = ("run", "status", "backend", "started", "metric")
         tables.append(Table("runs", header, [_run_row(run) for run in runs]))
@@ -84,6 +84,11 @@ def listing(
         if not entries:
             click.echo(_nothing_of(kind, out, where, len(everything)), err=True)
     return 0
+
+
+def _by_path(path: Path, out: Path) -> RunEntry:
+    """Return what a list says of a run, with its path within the folder that is listed."""
+    return describe_run(path)._replace(name=str(path.relative_to(out)))
 
 
 def _nothing_of(kind: str, out: Path, where: str | None, count: int) -> str:

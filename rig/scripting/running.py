@@ -18,8 +18,7 @@ from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
 from rig.hal.fits import shown
-from rig.run_facts import MANIFEST
-from rig.run_names import RUNS, find_run
+from rig.run_names import RUNS, find_run, list_runs_within
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
 from rig.scripting.errors import CodeFailed, MeasureFailed, error_of
@@ -176,7 +175,7 @@ def runs(out: str | Path = "runs", where: str | Callable[[Run], bool] | None = N
     Parameters
     ----------
     out : Path
-        Where run folders live.
+        Where run folders live, or folders of them, as those of a campaign.
     where : str or callable, optional
         ``"marker_rms < 0.2 mm and rig = joint"``, as for ``rig list runs --where``; or
         ``where(run)``: whether it is wanted.
@@ -189,9 +188,9 @@ def runs(out: str | Path = "runs", where: str | Callable[[Run], bool] | None = N
     if not (where is None or isinstance(where, str) or callable(where)):
         raise ConfigurationError(f"where is {where!r}, and neither a text nor a function of a run")
     found = []
-    for path in sorted(Path(out).glob(f"*/{MANIFEST}"), reverse=True):
+    for path in list_runs_within(Path(out)):
         try:
-            one = Run(path.parent)
+            one = Run(path)
         except ConfigurationError:
             continue  # a manifest that is torn is no run that could be looked at
         found.append(one)

@@ -123,3 +123,15 @@ def test_a_run_that_cannot_be_read_is_said_and_none_is_told_from_none_such(runs,
     told = capsys.readouterr().err
     assert f"{spoilt} cannot be read" in told
     assert f"of the 3 runs in {tmp_path} none has rig = crane" in told
+
+
+def test_cases_of_a_campaign_are_listed_by_their_path(runs, tmp_path, capsys):
+    out, made = runs
+    case = tmp_path / "campaigns" / "seed-3" / "joint-7-leak"
+    shutil.copytree(out, case)
+    (tmp_path / "campaigns" / "seed-3" / "itself").symlink_to(tmp_path / "campaigns")
+    assert invoke(["list", "runs", "--out", str(tmp_path / "campaigns"), "--json"]) == 0
+    listed = [run["name"] for run in json.loads(capsys.readouterr().out)]
+    assert sorted(listed) == sorted(f"seed-3/joint-7-leak/{name}" for name in made)
+    # A folder with runs of its own lists these alone.
+    assert found(out, "rig != joint-wide", capsys) == set(made)
