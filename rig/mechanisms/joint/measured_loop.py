@@ -4,8 +4,7 @@ The law of a pair sees its two rods and the force to which the four tensions amo
 a force; so does this. The pair is the one that the motion moves more.
 """
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +17,10 @@ from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.references.probe import JointProbe
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.shaken_ring import shaken_signals
-from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
+from rig.mechanisms.pneumatic.shaken_run import loop_of_glides, whole_glides
 
 if TYPE_CHECKING:
     from rig.report.data import RunData
-
-_ROUNDING: Final = 1e-6
-"""s, of the times of cycles."""
 
 
 def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
@@ -50,28 +46,14 @@ def loop_of_run(run: "RunData", law: object) -> MeasuredLoop:
         raise ConfigurationError(f"what is linear of {type(law).__name__} is not known")
     settings = load_profile(path / "profile.yaml", REGISTRY).mechanism_settings
     assert isinstance(settings, JointSettings)
-    try:
-        pair = ShakenPair(probe.frequencies, _glides(run, settings))
-        return pair.under(ShakenLaw(law.pair_law, probe.frequencies))
-    except ValueError as error:
-        raise ConfigurationError(
-            f"{path}: {error}: the ring sticks, or swings by itself, while it glides"
-        ) from error
-
-
-def _glides(run: "RunData", settings: JointSettings) -> Iterator[tuple[Array, Array]]:
-    """Yield times, and what was sent and read of the pair that moves, of each whole glide."""
-    t = run.time
     axis = np.column_stack([run.trace(f"estimate.encoder_marker_{name}") for name in "xyz"])
     signals = shaken_signals(
         settings.geometry,
         axis,
         *(_columns(run, kind) for kind in ("reading.rod_", "applied.", "reading.pressure_")),
     )
-    for segment in run.segments:
-        if segment.name.startswith("glide") and t[-1] >= segment.end:
-            part = (t >= segment.start - _ROUNDING) & (t < segment.end - _ROUNDING)
-            yield t[part] - segment.start, signals[part]
+    glides = whole_glides(run, signals)
+    return loop_of_glides(run, probe.frequencies, glides, law.pair_law, "the ring")
 
 
 def _columns(run: "RunData", kind: str) -> Array:
