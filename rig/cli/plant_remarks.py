@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 
 _MOST: Final = 0.1
 """Share by which the two may differ: drawings are not better, and units differ by as much."""
+_MOST_FRICTION: Final = 1.5
+"""Times by which frictions may differ, either way: units differ by 1.15, and by 0.6 to 1.6 what
+nobody has measured."""
 
 
 def plant_remarks(profile: Profile) -> Iterator[str]:
@@ -29,6 +32,7 @@ def plant_remarks(profile: Profile) -> Iterator[str]:
     plant, name = profile.plant.settings, profile.mechanism
     mechanism, _ = make_unconnected(profile)
     carriage, piston = (number_at(plant, key) for key in ("carriage.mass", "cylinder.mass"))
+    yield from _friction_remark(profile, plant)
     pairs: list[tuple[str, float | None, str, float | None, str, str]] = [
         (
             "the range of its regulators",
@@ -55,6 +59,28 @@ def plant_remarks(profile: Profile) -> Iterator[str]:
             f"{ours} is {format_quantity(believed, unit)}, and {theirs} is "
             f"{format_quantity(true, unit)}: {so}; say both alike"
         )
+
+
+def _friction_remark(profile: Profile, plant: object) -> Iterator[str]:
+    """Yield that the simulated seals take another force than the laws are told, if they do."""
+    from rig.assembly.same_geometry import number_at
+    from rig.hal.formats import format_quantity
+
+    told = profile.mechanism_settings
+    believed, pressure = (number_at(told, key) for key in ("friction.coulomb", "base_pressure"))
+    area, simulated = getattr(told, "area", None), getattr(plant, "coulomb_friction", None)
+    scale = number_at(plant, "friction_scale")
+    if not believed or pressure is None or area is None or simulated is None or not scale:
+        return
+    true = simulated(pressure, area)
+    if max(true / believed, believed / true) <= _MOST_FRICTION:
+        return
+    yield (
+        f"{profile.mechanism}.friction.coulomb is {format_quantity(believed, 'N')}, and that of a "
+        f"simulated pair {format_quantity(true, 'N')} (plant.friction_scale {scale:.3g}): what "
+        "runs well in simulation may stick or swing on the rig; plant.friction_scale: "
+        f"{scale * believed / true:.3g} makes them alike"
+    )
 
 
 def _shown(mass: float | None) -> str:

@@ -1,5 +1,6 @@
 """`rig check` warns of a plant that is another rig than the controllers are told of."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -43,8 +44,24 @@ def test_what_differs_is_told_with_both_numbers(rig, option, told, capsys):
     assert f"warning: {said}" in capsys.readouterr().err
 
 
-def test_what_differs_as_units_do_is_not_told():
-    assert remarks("cylinder", "cylinder.moving_mass=0.145 kg") == []
+@pytest.mark.parametrize("option", ["cylinder.moving_mass=0.145 kg", "plant.friction_scale=1.4"])
+def test_what_differs_as_units_do_is_not_told(option):
+    assert remarks("cylinder", option) == []
+
+
+@pytest.mark.parametrize("coulomb", ["3 N", "33 N", "61 N"])
+@pytest.mark.parametrize("rig", ["cylinder", "cylinder-low-speed", "joint", "joint-valves"])
+def test_friction_that_differs_is_told_with_what_makes_it_alike(rig, coulomb):
+    mechanism = rig.partition("-")[0]
+    options = (
+        f"{mechanism}.friction.coulomb={coulomb}",
+        f"{mechanism}.friction.breakaway=70 N",
+        f"{mechanism}.base_pressure=250 kPa",
+    )
+    (said,) = [line for line in remarks(rig, *options) if "friction" in line]
+    assert f"{mechanism}.friction.coulomb is {coulomb}" in said
+    (scale,) = re.findall(r"plant\.friction_scale: ([0-9.]+) makes", said)
+    assert remarks(rig, *options, f"plant.friction_scale={scale}") == []
 
 
 @pytest.mark.parametrize(

@@ -183,7 +183,7 @@ class CylinderPlantSettings:
     """
 
     seals: Literal["standard", "low-speed"] = "standard"
-    friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    friction_scale: Annotated[float, Ge(0), Le(20)] = 1.0
     stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
@@ -235,6 +235,18 @@ class CylinderPlantSettings:
             stribeck_scale=told["stribeck_velocity"] / seals.stribeck_velocity,
             cylinder=replace(cylinder, bore=math.sqrt(4.0 * area / math.pi + cylinder.rod**2)),
         )
+
+    def coulomb_friction(self, pressure: float, area: float) -> float:
+        """Return a pair's Coulomb friction, N, as that of units is on average.
+
+        Parameters
+        ----------
+        pressure : float
+            Of both chambers, Pa.
+        area : float
+            Of a piston, m².
+        """
+        return self.friction_scale * self._nominal_friction(pressure, area)
 
     def _nominal_friction(self, pressure: float, area: float) -> float:
         """Return what is told as Coulomb friction, N: here of two seals and a seat.
