@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import inf
 
 import pytest
-from test_cases import SUBJECT
+from broken_cylinder import SUBJECT
 
 from rig.faults.case import Break, Case, Moment
 from rig.faults.table import case_cells, make_row
