@@ -165,13 +165,14 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
-    from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK
+    from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, trials_of
 
     bounds = ", ".join(f"{name} {text}" for name, text in bench.ensemble.ranges().items())
     click.echo(
         f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look beside "
-        f"those in force and anywhere, then {generations} that go on from the best: "
-        f"{(FIRST_LOOK + generations) * GENERATION} trials, each on several plants for "
+        f"those in force and anywhere, a walk that moves one gain after the other, then "
+        f"{generations} that go on from the best: "
+        f"{trials_of(generations, len(bench.tunables))} trials, each on several plants for "
         f"{bench.duration:.0f} s, and the best {LAST_LOOK} on all "
         f"{len(bench.ensemble.corners())} plants: {bounds}",
         err=True,

@@ -27,7 +27,8 @@ from rig.sweeping.progress import SweepProgress
 from rig.tuning.candidate import PERFORM, job_of
 from rig.tuning.ensemble import Member
 from rig.tuning.gains import gains_at, place_of, values_of
-from rig.tuning.score import score
+from rig.tuning.score import LOST, score
+from rig.tuning.walk import STEPS, Place, one_by_one, together, tried_by_walk
 from rig.tuning.workbench import Request, Workbench
 
 GENERATION: Final = 12
@@ -40,7 +41,9 @@ FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
 _SHORTLIST: Final = (2, 2, 4)
 """So many candidates, the best of each part of the search, have the whole ensemble in the end."""
-LAST_LOOK: Final = sum(_SHORTLIST)
+_WALKED: Final = 2
+"""So many of the walk have it, too."""
+LAST_LOOK: Final = _WALKED + sum(_SHORTLIST)
 """At most: some are the best of two parts."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
@@ -109,7 +112,9 @@ class GainSearch:
             It cannot go on; what was judged is kept.
         """
         setup = WorkerSetup(PERFORM, self._code, self._folder.resolve() / "workers.log")
-        progress = SweepProgress((self._generations + FIRST_LOOK) * GENERATION + LAST_LOOK)
+        progress = SweepProgress(
+            trials_of(self._generations, len(self._bench.tunables)) + LAST_LOOK
+        )
         with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
             judge = _Judge(self._text, self._code, self._folder, journal, pool, progress)
             try:
@@ -125,13 +130,17 @@ class GainSearch:
         costs = judge([gains_at(tunables, place) for place in looks], members)
         best, least = looks[int(np.argmin(costs))], min(costs)
         history = [least]
-        tried = [*zip(costs, looks, strict=True)]
-        finalists: list[dict[str, float]] = []
+        members = self._with_worst(gains_at(tunables, best), members)
+        passed = self._walk(judge, best if costs[0] >= LOST else here, members)
+        progress.say(f"cost {passed[0][0]:.3f} on {len(members)} plants, one gain after the other")
+        finalists = [gains_at(tunables, place) for _, place in passed[:_WALKED]]
+        (seen,) = judge([gains_at(tunables, best)], members)
+        least, best = min((seen, best), passed[0])
         for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):
             if history[1:]:
                 members = self._with_worst(gains_at(tunables, best), members)
-                least = math.inf  # judged on more plants, it costs more
-                tried = []
+                (least,) = judge([gains_at(tunables, best)], members)  # more, on more plants
+            tried: list[tuple[float, Place]] = []
             strategy = self._strategy(best, step)
             for _ in range(part):
                 places = strategy.ask()
@@ -145,6 +154,33 @@ class GainSearch:
             few = sorted(tried, key=lambda pair: pair[0])[:wanted]
             finalists += [gains_at(tunables, place) for _, place in few]
         return self._last_look(judge, finalists, history, progress)
+
+    def _walk(
+        self, judge: "_Judge", place: Place, members: tuple[int, ...]
+    ) -> list[tuple[float, Place]]:
+        """Return the places that a walk from one tries, with their costs, the best first.
+
+        Parameters
+        ----------
+        judge : _Judge
+            Of candidates.
+        place : list of float
+            Where it begins: at the gains in force, unless they lose a plant.
+        members : tuple of int
+            Corners of the ensemble that candidates are judged on.
+        """
+
+        def with_costs(places: Sequence[Place]) -> list[tuple[float, Place]]:
+            gains = [gains_at(self._bench.tunables, one) for one in places]
+            return [*zip(judge(gains, members), places, strict=True)]
+
+        passed = with_costs([place])
+        for step in STEPS:
+            least, here = passed[0]
+            alone = with_costs(one_by_one(here, step))
+            both = with_costs(together(here, least, alone))
+            passed = sorted([*passed, *alone, *both], key=lambda pair: pair[0])
+        return passed
 
     def _last_look(
         self,
@@ -269,6 +305,11 @@ class _Judge:
     def _cost(self, name: str) -> float:
         metrics = self._journal[name]["metrics"] if name in self._journal else []
         return metrics[0]["value"] if metrics else _BAD
+
+
+def trials_of(generations: int, count: int) -> int:
+    """Return how many candidates a search of so many gains tries at most before the last look."""
+    return (FIRST_LOOK + generations) * GENERATION + tried_by_walk(count) + len(_STEPS) + 1
 
 
 def _parts(generations: int) -> list[int]:

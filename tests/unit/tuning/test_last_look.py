@@ -10,7 +10,7 @@ from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.candidate import cost_of
 from rig.tuning.gains import place_of
 from rig.tuning.score import LOST, UNSTABLE
-from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch
+from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch, trials_of
 from rig.tuning.workbench import Request
 
 STABLE = ClosedLoop(True, 50.0, 1.0, 0.01, 1.4)
@@ -62,7 +62,8 @@ def test_the_best_of_all_parts_have_every_plant(tmp_path):
     found, had = searched(Bench(), tmp_path)
     assert found.gains["a"] == pytest.approx(10.0, rel=0.1)
     assert found.members == tuple(range(PLANTS))
-    assert len(had) == (FIRST_LOOK + 6) * GENERATION + had.count(PLANTS)
+    few = len(had) - had.count(PLANTS)
+    assert (FIRST_LOOK + 6) * GENERATION < few <= trials_of(6, len(Bench.tunables))
     assert 1 <= had.count(PLANTS) <= LAST_LOOK
 
 
