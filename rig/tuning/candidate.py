@@ -14,6 +14,9 @@ PERFORM = "rig.tuning.candidate:perform"
 
 _SHAKEN = 3
 """Plants on which margins are measured, two units of each: the greatest counts."""
+_OF_MORE = 1.04
+"""Times the greatest sensitivity of those few: 200 drawn plants have greater ones. Gains that kept
+the bound on these few kept it on 95.5 % of 200."""
 
 
 def job_of(
@@ -80,6 +83,7 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
     stopped = sum(trial.strayed >= 1.0 for trial in trials) if len(chosen) == len(corners) else 0
     nearest = sorted(zip(margins, near, strict=True), key=lambda pair: -pair[0].sensitivity)
     shaken = bench.ensemble.other_units([member for _, member in nearest[:_SHAKEN]])
-    return score(trials, bench.measured(gains, shaken) or margins).cost + (
-        LOST + stopped if stopped else 0.0
-    )
+    measured = bench.measured(gains, shaken)
+    if measured is not None:
+        measured = [loop._replace(sensitivity=_OF_MORE * loop.sensitivity) for loop in measured]
+    return score(trials, measured or margins).cost + (LOST + stopped if stopped else 0.0)
