@@ -10,7 +10,7 @@ from rig.hal import ConfigurationError
 from rig.hal.files import reason_unwritten
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogFile
-from rig.whole_file import whole_file
+from rig.whole_file import clear_left_over, whole_file
 
 FORMATS: dict[str, Callable[[LogFile, Path], None]] = {
     "csv": write_csv,
@@ -76,6 +76,7 @@ def export_run(path: str | Path, format: str, out: str | Path | None = None) -> 
         if out is not None and target.exists() and not target.is_file():  # a pipe or a terminal
             FORMATS[format](file, target)
         else:
+            clear_left_over(target.parent, target.name)
             with whole_file(target) as temporary:
                 FORMATS[format](file, temporary)
     except OSError as error:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import click
 
-from rig.runtime.stop import ENDING
+from rig.runtime.stop import ENDING, all_as_ctrl_c
 
 if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
     from multiprocessing.queues import SimpleQueue
     from multiprocessing.synchronize import Event
 
@@ -83,6 +84,13 @@ class _Master(NamedTuple):
     """No job begins any more; the pool has handed out more than are running."""
 
 
+class _Crew(NamedTuple):
+    """Processes that run jobs, and the lines to them."""
+
+    master: _Master
+    pool: ProcessPoolExecutor
+
+
 _master: list[_Master] = []
 """Of a process that runs jobs for another."""
 
@@ -96,38 +104,52 @@ def run_all(jobs: Sequence[Job], backend: str) -> ComparedRuns:
     simulated = backend in ("sim", "virtual")
     workers = min(len(jobs), os.cpu_count() or 1) if simulated else 1
     ended: dict[str, Ended] = {}
-    with _all_as_ctrl_c():
+    with all_as_ctrl_c():
         try:
-            if workers == 1:
+            crew = _crew(workers) if workers > 1 else None
+            if crew is None:
                 for job in jobs:
                     ended[job.label] = _run(job, watched=True)
                     if ended[job.label].exit_code == INTERRUPTED:
                         del ended[job.label]
                         raise KeyboardInterrupt
             else:
-                _run_at_once(jobs, workers, ended)
+                click.echo(f"{len(jobs)} runs, {workers} at a time …", err=True)
+                _run_at_once(jobs, crew, ended)
         except KeyboardInterrupt:
             return ComparedRuns(ended, interrupted=True)
     return ComparedRuns(ended, interrupted=False)
 
 
-def _run_at_once(jobs: Sequence[Job], workers: int, ended: dict[str, Ended]) -> None:
-    """Run jobs in processes of their own; what has ended is noted, also when it is interrupted."""
-    from concurrent.futures import ProcessPoolExecutor, as_completed
+def _crew(workers: int) -> _Crew | None:
+    """Return what runs jobs in processes of their own; None: this machine has not the means."""
+    from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    with _deaf():  # what is begun here hears nothing of the terminal either
-        # A copy of this process has imported and compiled all that a run needs; a thread that is
-        # copied in the middle of something would never come to its end.
-        context = get_context("fork" if threading.active_count() == 1 else "spawn")
-        master = _Master(context.SimpleQueue(), context.Event())
-        pool = ProcessPoolExecutor(
-            workers, mp_context=context, initializer=_leave_terminal, initargs=(master,)
-        )
+    # A copy of this process has imported and compiled all that a run needs; a thread that is
+    # copied in the middle of something would never come to its end.
+    context = get_context("fork" if threading.active_count() == 1 else "spawn")
+    try:
+        with _deaf():  # what is begun here hears nothing of the terminal either
+            master = _Master(context.SimpleQueue(), context.Event())
+            pool = ProcessPoolExecutor(
+                workers, mp_context=context, initializer=_leave_terminal, initargs=(master,)
+            )
+    except OSError as error:  # their locks and semaphores are files there
+        why = error.strerror or error
+        click.echo(f"the runs go one after the other: /dev/shm cannot be used: {why}", err=True)
+        return None
+    return _Crew(master, pool)
+
+
+def _run_at_once(jobs: Sequence[Job], crew: _Crew, ended: dict[str, Ended]) -> None:
+    """Run jobs in processes of their own; what has ended is noted, also when it is interrupted."""
+    from concurrent.futures import as_completed
+
+    master, pool = crew
     try:
         with _deaf():
             futures = {pool.submit(_run, job): job for job in jobs}
-        click.echo(f"{len(jobs)} runs, {workers} at a time …", err=True)
         for count, done in enumerate(as_completed(futures), 1):
             ended[futures[done].label] = done.result()
             said = f"{count} of {len(jobs)} done: {futures[done].label}: {done.result().path}"
@@ -212,20 +234,6 @@ def _closed_before(
         code = folder.manifest["exit_code"] or 0
         message = folder.manifest["message"]
         yield label, Ended(path, folder.status, code, message, bool(folder.metrics()))
-
-
-@contextmanager
-def _all_as_ctrl_c() -> Iterator[None]:
-    """Take the end of a session and SIGTERM for Ctrl-C: none may leave processes behind."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals are not ours
-        return
-    before = {number: signal.signal(number, signal.default_int_handler) for number in ENDING}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @contextmanager

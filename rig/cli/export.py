@@ -38,8 +38,10 @@ def export(run: str, format: str, out: Path | None, runs: Path, as_json: bool) -
     """
     path = find_run(run, runs)
     from rig.export import export_run
+    from rig.runtime.stop import all_as_ctrl_c
 
-    made = export_run(path, format, out)
+    with all_as_ctrl_c():  # what was begun is taken away
+        made = export_run(path, format, out)
     if as_json:
         print_json({"path": made.path, "missing": made.missing})
     else:

@@ -15,6 +15,7 @@ from rig.run_names import find_run
 
 if TYPE_CHECKING:
     from rig.report.beside_figure import Beside, Residual
+    from rig.report.regenerate import RunReport
 
 
 @click.command()
@@ -36,22 +37,11 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
     if rehearse and beside is not None:
         raise click.UsageError("either --rehearse or --beside: one run is drawn over the other")
     path = find_run(run, runs)
-    from rig.hal import ConfigurationError
-    from rig.report.regenerate import write_report
-    from rig.run_folder import RunFolderError
+    other = None if beside is None else find_run(beside, runs)
+    from rig.runtime.stop import all_as_ctrl_c
 
-    try:
-        compared = _compare(path, None if beside is None else find_run(beside, runs), rehearse)
-        figures = () if compared is None else tuple(compared.files[:1])
-        made = write_report(path, figures)
-    except (OSError, RunFolderError) as error:
-        why = str(error)
-        if isinstance(error, OSError):
-            why = f"cannot write the report of {path}: {error.strerror or error}"
-        if isinstance(error.__cause__ or error, PermissionError):  # it lies with its run
-            name = shlex.quote(path.name)
-            why += f"; or report a copy: cp -r {shlex.quote(str(path))} . && rig report ./{name}"
-        raise ConfigurationError(why) from error
+    with all_as_ctrl_c():  # what draws ends with it
+        compared, made = _written(path, other, rehearse)
     for sentence in (*made.failures, *made.notes):
         click.echo(visible(sentence), err=True)
     residuals = [] if compared is None else compared.residuals
@@ -62,6 +52,26 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
         print_tables([_table(residuals)])
         print_data(str(made.page))
     return 0
+
+
+def _written(path: Path, other: Path | None, rehearse: bool) -> tuple[Beside | None, RunReport]:
+    """Write the report; return what was drawn over the run, and the page."""
+    from rig.hal import ConfigurationError
+    from rig.report.regenerate import write_report
+    from rig.run_folder import RunFolderError
+
+    try:
+        compared = _compare(path, other, rehearse)
+        figures = () if compared is None else tuple(compared.files[:1])
+        return compared, write_report(path, figures)
+    except (OSError, RunFolderError) as error:
+        why = str(error)
+        if isinstance(error, OSError):
+            why = f"cannot write the report of {path}: {error.strerror or error}"
+        if isinstance(error.__cause__ or error, PermissionError):  # it lies with its run
+            name = shlex.quote(path.name)
+            why += f"; or report a copy: cp -r {shlex.quote(str(path))} . && rig report ./{name}"
+        raise ConfigurationError(why) from error
 
 
 def _compare(path: Path, other: Path | None, rehearse: bool) -> Beside | None:

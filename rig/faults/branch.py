@@ -5,14 +5,10 @@ the run up to there: at each case's moment the process is copied, and the copy g
 of its own, with all that was recorded until then.
 """
 
-import ctypes
 import os
 import shutil
-import signal
 from pathlib import Path
-from typing import Final, NamedTuple
-
-_PR_SET_PDEATHSIG: Final = 1
+from typing import NamedTuple
 
 
 class Home(NamedTuple):
@@ -49,11 +45,6 @@ class Home(NamedTuple):
             if here in target.parents:
                 _replace(int(link.name), to / target.relative_to(here))
         _open_folder(to, self.descriptor)
-
-
-def die_with_parent() -> None:
-    """Have the kernel end this process with the one that began it, however that one ends."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def make_home(folder: Path) -> Home:

@@ -15,13 +15,14 @@ from rig.config import find_configs, load_profile
 from rig.experiment.ending import ending_of
 from rig.experiment.plan import load_plan
 from rig.experiment.run import Result, run_experiment
-from rig.faults.branch import Home, die_with_parent, make_home
+from rig.faults.branch import Home, make_home
 from rig.faults.case import Case, Moment
 from rig.faults.counterfactual import borne_out, stopped_at_once
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
 from rig.faults.verdict import MISSED, OK, OURS, CaseEnding, Verdict, give_verdict
 from rig.hal import RigError
+from rig.runtime.parent import die_with_parent
 
 DEADLINE = 120.0
 """How long a case may take by the wall's clock, s: it hangs."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
-from rig.faults.branch import die_with_parent
+from rig.runtime.parent import die_with_parent
 
 Task = TypeVar("Task")
 

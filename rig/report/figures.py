@@ -1,11 +1,8 @@
 """The figures of one run, drawn from its folder alone."""
 
 import importlib
-import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +11,7 @@ from rig.assembly import REGISTRY
 from rig.hal import ConfigurationError
 from rig.hal.fits import where
 from rig.report.column_figure import column_figure, file_of, is_column
-from rig.report.copies import may_copy
+from rig.report.copies import Lost, may_copy, share_out
 from rig.report.data import RunData, imprint_of, load_run
 from rig.report.figure import FigureKind
 from rig.report.limits_figure import LIMIT_FIGURES
@@ -24,6 +21,7 @@ from rig.report.truth_figure import TRUTH_FIGURES
 from rig.run_facts import FIGURES as FIGURES_FOLDER
 from rig.run_folder import RunFolderError
 from rig.runtime.log_columns import LogColumns
+from rig.whole_file import clear_left_over
 
 ANY_RUN = {**TIMING_FIGURES, **LIMIT_FIGURES, **TRUTH_FIGURES}
 """The figures that do not depend on the mechanism."""
@@ -103,11 +101,13 @@ def draw_figures(
     if len(run.log.t) < 2:
         return drawn
     folder = run.folder.place(FIGURES_FOLDER)
+    clear_left_over(folder)
     with paper_style():
         for one in _share_out(partial(_draw, run, folder), chosen):
             drawn.files.extend(one.files)
             drawn.failures.extend(one.failures)
             drawn.empty.extend(one.empty)
+    clear_left_over(folder)  # of a copy that was killed
     return drawn
 
 
@@ -137,26 +137,16 @@ def _share_out(draw: Callable[[str], Drawn], names: list[str]) -> Iterator[Drawn
         yield from map(draw, names)
         return
     import_once()
-    context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context, _begin_copy, (draw,)) as pool:
-        # The last ones are of any run, on logarithmic axes, and take longest: they begin.
-        yield from reversed(list(pool.map(_draw_in_copy, names[::-1])))
+    # The last ones are of any run, on logarithmic axes, and take longest: they begin.
+    found = share_out(draw, names[::-1], workers)
+    for name, one in zip(names, reversed(found), strict=True):
+        if isinstance(one, Lost):
+            yield Drawn([], [f"the figure {name} cannot be drawn: {one}"], [])
+        else:
+            yield one
 
 
 def import_once() -> None:
     """Import what draws and writes figures, before copies of this process do so each."""
     for name in ("figure", "backends.backend_agg", "backends.backend_svg", "backends.backend_pdf"):
         importlib.import_module(f"matplotlib.{name}")
-
-
-_draws: list[Callable[[str], Drawn]] = []
-"""In a copy of the process: what draws a figure of its run; it is not sent, it is there."""
-
-
-def _begin_copy(draw: Callable[[str], Drawn]) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the process that waits
-    _draws.append(draw)
-
-
-def _draw_in_copy(name: str) -> Drawn:
-    return _draws[-1](name)

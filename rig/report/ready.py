@@ -6,15 +6,14 @@ of its process imports it on another.
 
 import contextlib
 import multiprocessing
-import signal
-import sys
+import os
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from rig.hal import RigError
-from rig.report.copies import may_copy
+from rig.report.copies import end_when_told, may_copy
 
 
 class ReadyReporter:
@@ -35,7 +34,9 @@ class ReadyReporter:
         if self._ahead and may_copy():
             self._asking, asked = multiprocessing.Pipe()
             context = multiprocessing.get_context("fork")
-            self._copy = context.Process(target=_write_when_asked, args=(self._asking, asked))
+            self._copy = context.Process(
+                target=_write_when_asked, args=(self._asking, asked, os.getpid())
+            )
             self._copy.start()
             asked.close()
         return self
@@ -72,13 +73,12 @@ def written(path: Path) -> list[str]:
     return [*made.failures, *made.notes]
 
 
-def _write_when_asked(asking: Connection, asked: Connection) -> None:
+def _write_when_asked(asking: Connection, asked: Connection, parent: int) -> None:
     """Get ready, and write the report that is asked for, if one is, before this process ends."""
+    end_when_told(parent)
     asking.close()  # else its end would never be seen
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the process that waits
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     from rig.report.figures import import_once
 
     import_once()
-    with contextlib.suppress(EOFError):
+    with contextlib.suppress(EOFError, BrokenPipeError):  # nobody waits for it any more
         asked.send(written(asked.recv()))

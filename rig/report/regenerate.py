@@ -27,6 +27,7 @@ from rig.run_facts import EVALUATION, METRICS, TIMING, MetricRow, RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogError
 from rig.runtime.log_columns import LogColumns, read_columns
+from rig.whole_file import clear_left_over
 
 
 class RunReport(NamedTuple):
@@ -73,6 +74,7 @@ def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
         It cannot be written.
     """
     folder = RunFolder.open(path)
+    clear_left_over(folder.path)
     problems: list[str] = []
     torn: list[str] = []
     try:

@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from rig.assembly.rows import load
-from rig.faults.branch import die_with_parent
+from rig.runtime.parent import end_with
 from rig.sweeping.code import code_version, import_all
 from rig.sweeping.engine import Perform, PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
@@ -35,13 +35,14 @@ def main(descriptor: int) -> None:
         control.sendall(b"the source changed, or is another one than that of the sweep")
         return
     control.sendall(READY)
+    server = os.getpid()
     while True:
         message, sockets, _, _ = socket.recv_fds(control, 1, 1)
         if not message:
             break
         if os.fork() == 0:
             control.close()
-            _end_with_parent()
+            end_with(server, signal.SIGKILL)
             _work(Connection(sockets[0]), perform)
             os._exit(0)
         os.close(sockets[0])
@@ -83,13 +84,6 @@ def _work(connection: Connection, perform: Perform) -> None:
             except SweepStopped as error:
                 report = PointReport(job.name, trouble=error.what)
             connection.send(report)
-
-
-def _end_with_parent() -> None:
-    parent = os.getppid()
-    die_with_parent()
-    if os.getppid() != parent:  # it had ended before
-        os._exit(0)
 
 
 def _speak_into(log: Path | None) -> None:

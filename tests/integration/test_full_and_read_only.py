@@ -1,6 +1,7 @@
 """File systems that are full or read-only: mounted for the test, in a namespace of its own."""
 
 import functools
+import json
 import shutil
 import subprocess
 import sys
@@ -81,3 +82,36 @@ def test_nobody_is_told_to_own_what_is_read_only(tmp_path, words):
     assert "chown" not in said
     assert "read-only" in said
     assert f"sudo mount -o remount,rw {tmp_path}" in said
+
+
+def without_shared_memory(folder, options, words):
+    """Run rig where nothing can be written to /dev/shm; return its code and what it said."""
+    script = 'mount -t tmpfs -o "$1" none /dev/shm || exit 99\nshift\nexec "$@"'
+    done = subprocess.run(
+        [*_OWN, "sh", "-c", script, "sh", options, sys.executable, "-m", "rig", *words],
+        capture_output=True, text=True, check=False, cwd=folder,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("options", ["ro", "size=4k,nr_inodes=1"])
+def test_runs_and_reports_need_no_shared_memory(tmp_path, options):
+    words = ["run", "cylinder-step", "--on", "sim", "--out", "."]
+    code, _, told = without_shared_memory(tmp_path, options, words)
+    assert code == 0 and "no report" not in told and "/dev/shm" not in told, told
+    (run,) = tmp_path.iterdir()
+    pages = {path.name: path.read_bytes() for path in (run / "figures").iterdir()}
+    assert len(pages) > 4
+    shutil.rmtree(run / "figures")
+    code, shown, told = without_shared_memory(tmp_path, options, ["report", str(run)])
+    assert (code, told, shown.strip()) == (0, "", str(run / "report.html"))
+    assert {path.name: path.read_bytes() for path in (run / "figures").iterdir()} == pages
+
+
+def test_without_shared_memory_a_comparison_goes_through_its_runs_in_turn(tmp_path):
+    varied = ["--vary", "approach=1 s,2 s", "--set", "figures=[timing]", "--json"]
+    words = ["compare", "cylinder-step", "--on", "sim", *varied]
+    code, shown, told = without_shared_memory(tmp_path, "ro", words)
+    assert code == 0, told
+    assert told.count("one after the other: /dev/shm cannot be used: Read-only file system") == 1
+    assert json.loads(shown)["labels"] == ["approach 1 s", "approach 2 s"]

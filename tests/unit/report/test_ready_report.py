@@ -1,6 +1,8 @@
 """A copy of the process gets ready during a run: its report is that of the process itself."""
 
 import os
+import signal
+import time
 
 import pytest
 import warm_start
@@ -18,6 +20,9 @@ def written(path):
         raise ZeroDivisionError
     if way == "waits":
         os.kill(os.getppid(), signal.SIGINT)
+        time.sleep(60.0)
+    if way == "orphaned":
+        os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(60.0)
     print(os.getpid(), flush=True)
     return at_hand(path)
@@ -83,3 +88,13 @@ def test_who_does_not_wait_for_the_report_leaves_no_copy_behind(write):
     assert "KeyboardInterrupt" in ended.stderr
     with pytest.raises(ProcessLookupError):
         os.kill(int(ids.split()[1]), 0)
+
+
+def test_a_copy_ends_without_a_word_when_its_process_is_killed(write):
+    ended, (ids, *said), _ = write("orphaned")
+    assert (ended.returncode, ended.stderr, said) == (-signal.SIGKILL, "", [])
+    until = time.monotonic() + 30.0
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < until:
+            os.kill(int(ids.split()[1]), 0)
+            time.sleep(0.02)
