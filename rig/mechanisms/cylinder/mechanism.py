@@ -33,6 +33,7 @@ from rig.mechanisms.pneumatic.alarms.tracking import Gone, TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+from rig.mechanisms.pneumatic.reported import check_measured
 from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating_kind
 
 if TYPE_CHECKING:
@@ -172,11 +173,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         if not isinstance(reference, PairMotion):
             raise ValueError("the reference is not one for a pair of cylinders")
         motion, limits = reference, settings.limits
-        lower, upper = limits.position
-        fastest, before = limits.speed, math.nan
+        check_measured(motion.segments, period)
+        (lower, upper), fastest, before = limits.position, limits.speed, math.nan
         for tick in range(int(motion.duration / period) + 1):
-            t = tick * period
-            position, velocity, _ = motion.at(t)
+            position, velocity, _ = motion.at(t := tick * period)
             if not lower <= position <= upper:
                 raise ValueError(
                     f"after {t:.3g} s the reference is at {position * 1e3:.4g} mm, outside "

@@ -11,6 +11,7 @@ from controllers.spherical_joint.wires import WireKind
 from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.joint.reach import JointReach, PoseFacts, bounds_of
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.reported import check_measured
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -180,6 +181,7 @@ def plan_motion(
     if not isinstance(reference, JointDrawing):
         raise ValueError("the reference is not one for the spherical joint")
     motion = JointMotion(reference, period)
+    check_measured(motion.segments, period)
     check = checker(settings, controller)
     refuse(check.check_geometry())
     motion.plan(settings, check)
