@@ -17,7 +17,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pytest
+
+try:
+    import pytest
+except ModuleNotFoundError:
+    sys.exit("this needs pytest and what comes with it: pip install -e '.[test]'")
+from asked_minutes import minutes
 from fed_rig import Feeder, SerialEnd, feed, record_run, rig_on_ends, run, take_terminals
 from test_cycle_cost_of_rigs import PLANS, plan_of
 
@@ -139,7 +144,7 @@ def measure(name, minutes, folder, program, cpu):
 def main():
     """Measure each rig, and print a table in Markdown."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--minutes", type=minutes, default=10.0)
     parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)))
     parser.add_argument("--rigs", nargs="+", choices=PLANS, default=list(PLANS))
     asked = parser.parse_args()

@@ -22,7 +22,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-import test_sweep_cost
+
+try:
+    import test_sweep_cost
+except ModuleNotFoundError:
+    sys.exit("this needs pytest and what comes with it: pip install -e '.[test]'")
+from asked_minutes import whole_minutes
 from bench_rig import armed_rig, run
 from test_cycle_cost import CycleCosts
 from test_log_cost import record
@@ -272,8 +277,9 @@ def main():
     )
     parser.add_argument("--discard", action="store_true", help="export to nowhere")
     parser.add_argument(
-        "--minutes", type=int, nargs="+", default=MINUTES, help="lengths of the run; 600 are 12 GB"
-    )
+        "--minutes", type=whole_minutes, nargs="+", default=MINUTES,
+        help="lengths of the run; 600 are 12 GB",
+    )  # fmt: skip
     parser.add_argument("--folder", help="where the logs are written meanwhile")
     asked = parser.parse_args()
     began = time.monotonic()

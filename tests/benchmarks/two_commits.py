@@ -6,11 +6,13 @@ Each commit is checked out into a folder of its own, with caches of its own. A r
 command once on either, in turn, and the next round begins with the other; so whatever else the
 machine does falls on both. What is compared is processor time of the process and its children: the
 median of the rounds' ratios, and the interval that holds it in 95 of 100 resamplings of the rounds.
+It ends with 1 if a command surely got slower by a tenth, or fails at the later commit alone.
 """
 
 import argparse
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -40,32 +42,93 @@ COMMANDS = (
 RESAMPLINGS = 2000
 
 
-def main() -> int:
-    """Measure, and print a table in Markdown; 1 if a command surely got slower by a tenth."""
+SLOWER = 1.1
+"""A command surely got slower whose ratio is above it with all of its interval."""
+
+
+class Unmeasured(Exception):
+    """Says in a sentence why nothing can be measured."""
+
+
+def main(words: list[str] | None = None) -> int:
+    """Measure, and print a table in Markdown; 1 if a command surely got slower, or fails now."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("before")
     parser.add_argument("after")
-    parser.add_argument("--rounds", type=int, default=8)
+    parser.add_argument("--rounds", type=several, default=8, help="2 or more")
     parser.add_argument("--only", default="", help="commands that contain this text")
-    asked = parser.parse_args()
+    asked = parser.parse_args(words)
     commands = [command for command in COMMANDS if asked.only in command]
-    with ExitStack() as stack:
-        folders = [stack.enter_context(checked_out(at)) for at in (asked.before, asked.after)]
-        costs = measure(folders, commands, asked.rounds)
+    if not commands:
+        there = "".join(f"\n  {command}" for command in COMMANDS)
+        parser.error(f"no command contains {asked.only!r}; there are:{there}")
+    for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C: what was checked out goes
+        signal.signal(number, signal.default_int_handler)
+    try:
+        check_commits(asked.before, asked.after)
+        with ExitStack() as stack:
+            folders = [stack.enter_context(checked_out(at)) for at in (asked.before, asked.after)]
+            costs = measure(folders, commands, asked.rounds)
+    except Unmeasured as why:
+        sys.stderr.write(f"{why}\n")
+        return 2
+    except KeyboardInterrupt:
+        sys.stderr.write("Interrupted.\n")
+        return 130
+    return tell(asked.before, asked.after, costs)
+
+
+def several(text: str) -> int:
+    """Return a number of rounds; an interval takes two."""
+    if int(text) < 2:
+        raise argparse.ArgumentTypeError(f"it is {text}, and an interval takes 2 rounds at least")
+    return int(text)
+
+
+def check_commits(*commits: str) -> None:
+    """Refuse what is no commit of the clone that this is run in; say what is measured of neither.
+
+    Raises
+    ------
+    Unmeasured
+        There is no git, no clone, or no such commit.
+    """
+    try:
+        if git("rev-parse", "--git-dir").returncode:
+            raise Unmeasured(f"{Path.cwd()} is in no clone of the project: run this from one")
+    except FileNotFoundError as error:
+        raise Unmeasured("git is not installed: commits are checked out with it") from error
+    for commit in commits:
+        if git("rev-parse", "--verify", "--quiet", f"{commit}^{{commit}}").returncode:
+            raise Unmeasured(f"there is no commit {commit} in this clone; git log shows them")
+    changed = git("status", "--porcelain", "--untracked-files=no").stdout.splitlines()
+    if changed:
+        sys.stderr.write(f"left out: what is not committed here, of {len(changed)} tracked files\n")
+
+
+def git(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    """Call git and return what it says."""
+    return subprocess.run(["git", *words], capture_output=True, text=True, check=False)
+
+
+def tell(before: str, after: str, costs: Mapping[str, tuple[np.ndarray | None, ...]]) -> int:
+    """Print the table; return 1 if a command surely got slower, or fails that did not."""
     write = sys.stdout.write
-    write(f"| `rig …` | {asked.before}, s | {asked.after}, s | ratio | 95 % |\n")
-    write("|---|---|---|---|---|\n")
-    slower = False
-    for command, (before, after) in costs.items():
-        row = f"| `{command.replace(' --out OUT', '')}` | {told(before)} | {told(after)} |"
-        if before is None or after is None:
+    write(f"| `rig …` | {before}, s | {after}, s | ratio | 95 % |\n|---|---|---|---|---|\n")
+    broken, is_slower = [], False
+    for command, (then, now) in costs.items():
+        row = f"| `{command.replace(' --out OUT', '')}` | {told(then)} | {told(now)} |"
+        if then is None or now is None:
             write(f"{row} | |\n")
+            broken += [command] if then is not None else []
             continue
-        ratios = after / before
+        ratios = now / then
         low, high = interval_of(ratios)
-        slower |= low > 1.1
+        is_slower |= low > SLOWER
         write(f"{row} {np.median(ratios):.2f} | {low:.2f} to {high:.2f} |\n")
-    return int(slower)
+    for command in broken:
+        write(f"\n`rig {command}` fails at {after}, and did not at {before}.\n")
+    return int(is_slower or bool(broken))
 
 
 @contextmanager
@@ -73,11 +136,13 @@ def checked_out(commit: str) -> Iterator[Path]:
     """Yield a folder with this commit's files, and take it away again."""
     with tempfile.TemporaryDirectory(prefix="two-commits-") as parent:
         folder = Path(parent) / "tree"
-        subprocess.run(["git", "worktree", "add", "-q", "--detach", folder, commit], check=True)
         try:
+            added = git("worktree", "add", "-q", "--detach", folder, commit)
+            if added.returncode:
+                raise Unmeasured(f"cannot check out {commit}: {added.stderr.strip()}")
             yield folder
         finally:
-            subprocess.run(["git", "worktree", "remove", "--force", folder], check=True)
+            git("worktree", "remove", "--force", folder)
 
 
 def measure(
@@ -91,8 +156,11 @@ def measure(
         kept: tuple[list[float], list[float]] = ([], [])
         for number in range(rounds):
             for which in (0, 1) if number % 2 else (1, 0):
-                if runs[which]:
-                    kept[which].append(cost_of(folders[which], command) or np.nan)
+                cost = cost_of(folders[which], command) if runs[which] else None
+                if cost is None:  # once is enough
+                    runs[which] = False
+                else:
+                    kept[which].append(cost)
         costs[command] = tuple(
             np.array(values) if ran else None for values, ran in zip(kept, runs, strict=True)
         )
