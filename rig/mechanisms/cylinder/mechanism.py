@@ -173,7 +173,6 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         if not isinstance(reference, PairMotion):
             raise ValueError("the reference is not one for a pair of cylinders")
         motion, limits = reference, settings.limits
-        check_measured(motion.segments, period)
         (lower, upper), fastest, before = limits.position, limits.speed, math.nan
         for tick in range(int(motion.duration / period) + 1):
             position, velocity, _ = motion.at(t := tick * period)
@@ -193,6 +192,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
             if abs(jump) > limits.following and isinstance(controller, PairLaw):
                 lost = settings.alarms.oscillation.lost
                 check_jump(controller, t, jump, limits.following, limits.pair_force, lost)
+        check_measured(motion.segments, period)
         return motion
 
     @classmethod

@@ -181,10 +181,10 @@ def plan_motion(
     if not isinstance(reference, JointDrawing):
         raise ValueError("the reference is not one for the spherical joint")
     motion = JointMotion(reference, period)
-    check_measured(motion.segments, period)
     check = checker(settings, controller)
     refuse(check.check_geometry())
     motion.plan(settings, check)
+    check_measured(motion.segments, period)
     return motion
 
 
