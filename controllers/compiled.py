@@ -156,6 +156,8 @@ def kernel_of(function: Function, kind: "np.dtype[np.void]") -> Function:
     kind : dtype
         The `record_type` of the memory that the kernel takes for its first argument.
     """
+    from controllers.kernel_files import kept_kernel
+
     let_kernels_call()
     digest = _digest(Path(function.__code__.co_filename).parent)
 
@@ -163,16 +165,7 @@ def kernel_of(function: Function, kind: "np.dtype[np.void]") -> Function:
         _ = digest
         return function(memory.view(kind)[0], *arguments)
 
-    return cast(Function, _compile(kernel))
-
-
-def _compile(function: Function) -> Function:
-    import numba
-
-    try:
-        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
-    except RuntimeError:  # numba found no folder that it may write to
-        return cast(Function, numba.njit(error_model="numpy")(function))
+    return cast(Function, kept_kernel(kernel))
 
 
 def _digest(folder: Path) -> int:

@@ -6,14 +6,13 @@ call only what stands in this file, which is what numba's cache watches.
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, TypeVar, cast
+from typing import Final
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-Function = TypeVar("Function", bound=Callable[..., object])
+from controllers.kernel_files import kept_kernel
+
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Image = NDArray[np.uint8]
@@ -29,16 +28,7 @@ _STEPS: Final = np.array(
 """The blurred step from -`_FAR` on; between its points a straight line is right to 1e-5."""
 
 
-def _compiled(function: Function) -> Function:
-    """Compile a kernel, from the cache where one can be written."""
-    options: dict[str, Any] = {"error_model": "numpy"}
-    try:
-        return cast(Function, numba.njit(cache=True, **options)(function))
-    except RuntimeError:  # numba found no folder that it may write to
-        return cast(Function, numba.njit(**options)(function))
-
-
-@_compiled
+@kept_kernel
 def _step(distance: float) -> float:
     """Return the blurred step at a distance in units of the blur, 0 … 1."""
     if distance > _FAR:
@@ -50,7 +40,7 @@ def _step(distance: float) -> float:
     return float(_STEPS[k] + (at - k) * (_STEPS[k + 1] - _STEPS[k]))
 
 
-@_compiled
+@kept_kernel
 def trace_rays(rays: Singles, focal: Floats, centre: Floats, distortion: Floats) -> None:
     """Fill the direction (x/z, y/z) of each pixel's ray.
 
@@ -90,7 +80,7 @@ def trace_rays(rays: Singles, focal: Floats, centre: Floats, distortion: Floats)
             rays[row, column, 1] = y
 
 
-@_compiled
+@kept_kernel
 def cover_disc(
     cover: Singles, rays: Singles, poses: Floats, radius: float, focal: Floats, blur: float
 ) -> None:
@@ -150,7 +140,7 @@ def cover_disc(
                 cover[row, column] += share * _step(inside)
 
 
-@_compiled
+@kept_kernel
 def cover_squares(
     cover: Singles,
     light: Singles,
@@ -223,7 +213,7 @@ def cover_squares(
                             light[row, column] += part * cells[top + j, left + i]
 
 
-@_compiled
+@kept_kernel
 def expose(
     window: Image,
     scene: Singles,

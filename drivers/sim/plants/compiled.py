@@ -13,6 +13,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from controllers.kernel_files import kept_kernel
+
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _NOTHING = 1e-100
@@ -40,11 +42,7 @@ def cached_kernel(build: Callable[[int], Function]) -> Function:
     callable
         The compiled kernel. Where no cache can be written it is compiled in each process.
     """
-    function = build(_digest_of_sources())
-    try:
-        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
-    except RuntimeError:  # numba found no folder that it may write to
-        return cast(Function, numba.njit(error_model="numpy")(function))
+    return kept_kernel(build(_digest_of_sources()))
 
 
 def _digest_of_sources() -> int:

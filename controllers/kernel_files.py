@@ -1,0 +1,104 @@
+"""Compiled kernels in files, of which none runs that is not whole.
+
+Machine code is what such a file holds: a bit that has flipped in one would end the process, or give
+wrong numbers. Numba reads what is there; here a digest stands behind each file's contents. It is
+the one module that plants and laws share: it knows nothing of either.
+"""
+
+import contextlib
+import hashlib
+import io
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Final, TypeVar, cast
+
+import numba
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_LENGTH: Final = hashlib.sha256().digest_size
+
+
+def kept_kernel(function: Function) -> Function:
+    """Compile a function when it is called, from its file if that can be trusted.
+
+    Where no file can be written it is compiled in each process.
+    """
+    kernel = numba.njit(error_model="numpy")(function)
+    with contextlib.suppress(RuntimeError):  # numba found no folder that it may write to
+        kernel._cache = _KernelCache(function)
+    return cast(Function, kernel)
+
+
+class _KernelCache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of a function, which may be damaged, and fill the disk."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
+
+    def save_overload(self, sig: object, data: object) -> None:
+        # A disk that is full, or not writable any more, must not end what the kernel is for.
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """Numba's index of a function and its files of machine code; what is damaged is not there.
+
+    Pickle reads no further than its own end, so the digest behind it is in nobody's way.
+    """
+
+    def load(self, key: object) -> object:
+        entry = super().load(key)
+        # Processes that began together, or one that was killed, may have left another kernel there.
+        return entry[1] if entry is not None and entry[0] == self._mark(key) else None
+
+    def save(self, key: object, data: object) -> None:
+        super().save(key, (self._mark(key), data))
+
+    def _mark(self, key: object) -> tuple[object, ...]:
+        return self._version, self._source_stamp, key
+
+    def _load_index(self) -> object:
+        if not _is_whole(self._index_path):
+            return {}
+        try:
+            return super()._load_index()
+        except Exception:  # written with another numpy, say, whose types cannot be had here
+            return {}
+
+    def _load_data(self, name: str) -> object:
+        path = self._data_path(name)
+        if not _is_whole(path):
+            raise FileNotFoundError(path)  # numba goes on as if there were none
+        try:
+            return super()._load_data(name)
+        except Exception as error:
+            raise FileNotFoundError(path) from error
+
+    @contextlib.contextmanager
+    def _open_for_write(self, path: str) -> Iterator[io.BytesIO]:
+        content = io.BytesIO()
+        yield content
+        with contextlib.suppress(OSError):
+            os.rmdir(path)  # noqa: PTH106 - a file is not moved over a folder
+        with super()._open_for_write(path) as file:
+            file.write(content.getvalue() + _digest(path, content.getvalue()))
+
+
+def _is_whole(path: str) -> bool:
+    """Return whether a file is as it was written; a pipe, which would make it wait, is not read."""
+    try:
+        content = Path(path).read_bytes() if Path(path).is_file() else b""
+    except OSError:
+        return False
+    return content[-_LENGTH:] == _digest(path, content[:-_LENGTH])
+
+
+def _digest(path: str, content: bytes) -> bytes:
+    """Return the digest of a file and its name: one under another's name is not that one."""
+    return hashlib.sha256(Path(path).name.encode() + content).digest()
