@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 _NAME = "NUMBA_CACHE_DIR"
+_TEMPORARY = ("/tmp", "/var/tmp", "/usr/tmp")
 
 
 def keep_kernels() -> None:
@@ -19,8 +20,11 @@ def keep_kernels() -> None:
     # What is kept there runs: a relative one would be whoever's this working folder is.
     if _at_home().is_absolute() and _is_writable(_at_home()):
         return
-    folder = Path(tempfile.gettempdir(), f"rig-kernels-{os.getuid()}")
     try:
+        temporary = Path(tempfile.gettempdir())
+        if not _is_named(temporary):
+            return
+        folder = temporary / f"rig-kernels-{os.getuid()}"
         folder.mkdir(mode=0o700, exist_ok=True)
         found = folder.lstat()
     except OSError:
@@ -29,6 +33,12 @@ def keep_kernels() -> None:
     is_own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
     if is_own and not stat.S_IMODE(found.st_mode) & 0o077:
         os.environ[_NAME] = str(folder)
+
+
+def _is_named(temporary: Path) -> bool:
+    """Return whether a folder is one for temporary files, and not where Python makes do."""
+    names = (os.environ.get(name, "") for name in ("TMPDIR", "TEMP", "TMP"))
+    return str(temporary) in (*_TEMPORARY, *map(os.path.normpath, names))
 
 
 def _beside() -> Path:

@@ -84,7 +84,9 @@ def test_no_kernel_comes_from_the_working_folder(tmp_path, monkeypatch, variable
     for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv(variable, "here")
-    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(tmp_path))
+    (temporary := tmp_path / "temporary").mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(temporary))
     kernel_cache.keep_kernels()
-    assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == tmp_path
+    assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == temporary
     monkeypatch.delenv("NUMBA_CACHE_DIR")

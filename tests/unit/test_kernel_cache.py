@@ -12,7 +12,7 @@ def nowhere(monkeypatch, tmp_path):
     """A program that can write neither beside itself nor at home; return the temporary folder."""
     monkeypatch.setattr(kernel_cache, "_is_writable", lambda path: False)
     monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(tmp_path))
-    monkeypatch.setattr(kernel_cache.os, "environ", {})
+    monkeypatch.setattr(kernel_cache.os, "environ", {"TMPDIR": str(tmp_path)})
     return tmp_path / f"rig-kernels-{os.getuid()}"
 
 
@@ -58,4 +58,29 @@ def test_numba_is_left_alone_where_it_can_write(monkeypatch, tmp_path, place):
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(kernel_cache, place, lambda: tmp_path / "new" / "below")
     monkeypatch.setattr(kernel_cache.os, "environ", {})
+    assert chosen() is None
+
+
+@pytest.mark.parametrize("said", ["", ".", "x", "..", "/nowhere", "/dev/null"])
+def test_python_making_do_with_the_working_folder_is_not_meant(tmp_path, monkeypatch, said):
+    """Where no folder for temporary files can be written."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(kernel_cache, "_is_writable", lambda path: False)
+    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(kernel_cache.os, "environ", {"TMPDIR": said})
+    assert chosen() is None
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_working_folder_that_is_named_is_meant(nowhere, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    os.environ["TMPDIR"] = f"{tmp_path}/"
+    assert chosen() == str(nowhere)
+
+
+def test_without_any_folder_for_temporary_files_nothing_is_kept(nowhere, monkeypatch):
+    def fails():
+        raise FileNotFoundError("No usable temporary directory found")
+
+    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", fails)
     assert chosen() is None
