@@ -1,11 +1,16 @@
-"""The folder of compiled kernels, where the program may write neither beside itself nor at home."""
+"""The folder of compiled kernels, where the program may write neither beside itself nor at home.
+
+Besides, whether there is a compiler.
+"""
 
 import os
 import stat
+import sys
 import tempfile
 from pathlib import Path
 
 _NAME = "NUMBA_CACHE_DIR"
+_OFF = "NUMBA_DISABLE_JIT"
 _TEMPORARY = ("/tmp", "/var/tmp", "/usr/tmp")
 
 
@@ -33,6 +38,26 @@ def keep_kernels() -> None:
     is_own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
     if is_own and not stat.S_IMODE(found.st_mode) & 0o077:
         os.environ[_NAME] = str(folder)
+
+
+def check_compiler() -> None:
+    """Refuse to go on where numba is told to compile nothing: kernels do not run as Python.
+
+    Raises
+    ------
+    ConfigurationError
+        It is told so, by the environment or by who has imported it.
+    """
+    numba = sys.modules.get("numba")
+    said = os.environ.get(_OFF, "").strip()
+    is_off = said.isdecimal() and int(said) if numba is None else numba.config.DISABLE_JIT
+    if is_off:
+        from rig.hal import ConfigurationError
+
+        raise ConfigurationError(
+            f"{_OFF} is set, and this program's kernels run only compiled: unset it, "
+            "and import numba after that"
+        )
 
 
 def _is_named(temporary: Path) -> bool:

@@ -82,6 +82,7 @@ ALLOWED = [
                 "rig.runtime",
                 "rig.config",
                 "rig.hal",
+                "rig.installation",
                 # A page of a run that stopped says why, in the words of `rig explain`.
                 *(["rig.explaining.ended_run"] if framework == "rig.report" else []),
             ),

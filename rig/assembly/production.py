@@ -23,6 +23,7 @@ from rig.hal import (
 )
 from rig.hal.fits import where
 from rig.hal.motion import Motion
+from rig.kernel_cache import check_compiler
 
 _LONGEST_STOP = 60.0
 """No rig takes longer to come to rest, s: a stop that never ends would keep it energised."""
@@ -124,9 +125,12 @@ def make_controller(profile: Profile, name: str) -> Any:
 
     Raises
     ------
-    ConfigurationError, MotionRefused
+    ConfigurationError
+        As `make_law`, or numba is told to compile nothing.
+    MotionRefused
         As `make_law`.
     """
+    check_compiler()
     made = make_law(profile, name)
     made.compile()
     return made

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 from rig.assembly.contract_check import check_row
 from rig.hal import ConfigurationError
 from rig.hal.parts import Additions, DriverParts, ProtocolParts
+from rig.installation import missing_package
 from rig.plug_ins import entry_points, note_import
 
 Row = TypeVar("Row", bound=Additions | DriverParts | ProtocolParts)
@@ -30,7 +31,8 @@ def load(path: object, what: str = "") -> Any:
         for part in name.split("."):
             found = getattr(found, part)
     except (Exception, SystemExit) as error:  # anything may happen in the code of others
-        raise ConfigurationError(f"{what}{path} cannot be imported: {error}") from error
+        why = missing_package(error) or error
+        raise ConfigurationError(f"{what}{path} cannot be imported: {why}") from error
     return found
 
 
@@ -125,7 +127,8 @@ def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
     try:
         row = point.load()
     except (Exception, SystemExit) as error:  # anything may happen in the code of others
-        raise ConfigurationError(f"{_whose(point)} cannot be loaded: {error}") from error
+        why = missing_package(error) or error
+        raise ConfigurationError(f"{_whose(point)} cannot be loaded: {why}") from error
     if not isinstance(row, kind):
         raise ConfigurationError(
             f"{_whose(point)}: {point.value} is a {type(row).__name__}, not a {kind.__name__}"

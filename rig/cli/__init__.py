@@ -111,11 +111,19 @@ def invoke(arguments: list[str] | None = None) -> int:
     # and a fit on a busy machine several times its time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["MPLBACKEND"] = "Agg"  # figures are files here, whatever is set for a notebook
-    from rig.cli.commands import invoke as invoke_click
+    os.environ["NUMBA_DISABLE_JIT"] = "0"  # kernels are compiled here, whatever is debugged
+    from rig.installation import missing_package
     from rig.kernel_cache import keep_kernels
 
     keep_kernels()
-
+    try:
+        from rig.cli.commands import invoke as invoke_click
+    except ModuleNotFoundError as error:  # click is what tells of others
+        lacking = missing_package(error)
+        if lacking is None:
+            raise
+        print(f"error: {lacking}", file=sys.stderr)  # noqa: T201
+        return _UNWRITTEN
     return invoke_click(words)
 
 

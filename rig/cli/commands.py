@@ -10,6 +10,7 @@ import click
 
 from rig.cli.command_table import COMMANDS, INTRODUCTION
 from rig.cli.tables import brief, print_json, printed_so_far, visible
+from rig.installation import missing_package
 
 
 class _LazyGroup(click.Group):
@@ -63,18 +64,30 @@ def invoke(arguments: list[str] | None = None) -> int:
     if error and "--json" in words and printed_so_far() == printed:
         print_json({"error": error, "exit": code})
     if error and words[:1] not in ([], ["explain"]):
-        from rig.explaining.refused_run import REFUSED, keep_refusal
-
-        if code in REFUSED:
-            keep_refusal(words, code, error, began)
+        _keep_refusal(words, code, error, began)
     return code
+
+
+def _keep_refusal(words: list[str], code: int, error: str, began: float) -> None:
+    try:
+        from rig.explaining.refused_run import REFUSED, keep_refusal
+    except ModuleNotFoundError as lack:
+        if missing_package(lack) is None:
+            raise
+        return  # which is what was said
+    if code in REFUSED:
+        keep_refusal(words, code, error, began)
 
 
 def _invoked(arguments: list[str] | None) -> tuple[int, str]:
     """Return the exit code, and what went wrong if that was said as an error."""
     try:
         result: object = group.main(args=arguments, prog_name="rig", standalone_mode=False)
-    except click.exceptions.Abort:
+    except click.exceptions.Abort as error:
+        # Click takes an EOFError for the end of what is typed, whoever raised it; where something
+        # is typed, it leaves none behind.
+        if isinstance(error.__cause__, EOFError):
+            return _report(error.__cause__), f"{error.__cause__}" or "EOFError"
         click.echo("Interrupted.", err=True)
         return 130, "Interrupted."
     except click.ClickException as error:
@@ -88,11 +101,15 @@ def _invoked(arguments: list[str] | None) -> tuple[int, str]:
         sys.stderr.close()
         return 0, ""
     except (Exception, SystemExit) as error:  # somebody's code may want to end the program
-        return _report(error), f"{error}" or type(error).__name__
+        return _report(error), missing_package(error) or f"{error}" or type(error).__name__
     return (result if isinstance(result, int) else 0), ""
 
 
 def _report(error: BaseException) -> int:
+    lacking = missing_package(error)
+    if lacking is not None:
+        click.echo(f"error: {lacking}", err=True)
+        return 2
     from rig.hal import ConfigurationError, DeviceError, RigError
 
     if isinstance(error, RigError):

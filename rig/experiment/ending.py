@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from rig.assembly.contract_check import said, whose_bug
 from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
+from rig.installation import missing_package
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
 from rig.runtime.recorder import RecorderError
@@ -105,6 +106,9 @@ def bug_of(error: BaseException, t: float | None = None) -> Ending:
     t : float, optional
         When it came, s after the run began.
     """
+    lacking = missing_package(error)
+    if lacking is not None:
+        return Ending(RunStatus.CRASHED, EXIT_USAGE, lacking, error)
     what = said(error)
     place = whose_bug(error)
     if place is None:

@@ -96,6 +96,9 @@ class GainSearch:
     def __init__(
         self, bench: Workbench, request: Request, folder: Path, workers: int, generations: int
     ) -> None:
+        import cma  # where it is missing, that is said before plants are run for it
+
+        self._cma = cma
         self._bench, self._text, self._folder = bench, request.text(), folder
         self._code = code_version().digest
         self._rng = np.random.default_rng(request.seed)
@@ -247,13 +250,13 @@ class GainSearch:
         return max(SENSITIVITY, *(margin.sensitivity for margin in margins))
 
     def _strategy(self, place: Sequence[float], step: float) -> "_Strategy":
-        import cma
-
         options = {
             "bounds": [0.0, 1.0], "popsize": GENERATION, "verbose": -9,
             "seed": int(self._rng.integers(1, 2**31)),
         }  # fmt: skip
-        strategy: _Strategy = cma.CMAEvolutionStrategy(np.clip(place, 0.01, 0.99), step, options)
+        strategy: _Strategy = self._cma.CMAEvolutionStrategy(
+            np.clip(place, 0.01, 0.99), step, options
+        )
         return strategy
 
     def _with_worst(self, gains: Mapping[str, float], members: tuple[int, ...]) -> tuple[int, ...]:

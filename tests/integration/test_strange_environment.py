@@ -90,3 +90,25 @@ def test_no_kernel_comes_from_the_working_folder(tmp_path, monkeypatch, variable
     kernel_cache.keep_kernels()
     assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == temporary
     monkeypatch.delenv("NUMBA_CACHE_DIR")
+
+
+SCRIPT = """
+import rig
+try:
+    rig.run("cylinder-step", on="sim", report=False, out="runs")
+except rig.ConfigurationError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("words", ["-c", "-m"])
+def test_a_program_that_has_numba_compile_nothing(tmp_path, words, monkeypatch):
+    """The command line does not heed it; in a program of the user's it may be what is wanted."""
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    command = ["rig", "run", "cylinder-step", "--on", "sim", "--no-report", "--out", "runs"]
+    done = subprocess.run(
+        [sys.executable, words, *([SCRIPT] if words == "-c" else command)],
+        cwd=tmp_path, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert ("NUMBA_DISABLE_JIT is set" in done.stdout) == (words == "-c")
+    assert len(list(tmp_path.glob("runs/*/metrics.json"))) == (words == "-m")

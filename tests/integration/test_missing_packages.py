@@ -1,0 +1,123 @@
+"""A package that is not installed is a sentence with what installs it, and no bug of ours."""
+
+import ast
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from rig.installation import PACKAGES, missing_package
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+WITHOUT = """
+import os, sys
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == os.environ["WITHOUT"]:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Missing())
+"""
+RUN = ("run", "cylinder-step", "--no-report", "--out", "runs")
+SIMULATED = (*RUN, "--on", "sim")
+CASES = [
+    ("click", "click", SIMULATED),
+    ("numpy", "numpy", SIMULATED),
+    ("yaml", "pyyaml", SIMULATED),
+    ("pydantic", "pydantic", SIMULATED),
+    ("annotated_types", "annotated-types", SIMULATED),
+    ("numba", "numba", SIMULATED),
+    ("canopen", "canopen", RUN),
+    ("can", "python-can", RUN),
+    ("cv2", "opencv-python-headless", ("run", "joint-circle", "--no-report", "--out", "runs")),
+    ("mujoco", "mujoco", ("run", "arm-elbow-circle", "--on", "sim", "--out", "runs")),
+    ("mujoco", "mujoco", ("run", "legs-squat", "--on", "sim", "--out", "runs")),
+    ("cma", "cma", ("tune", "cylinder", "--dry-run", "--out", "runs")),
+    ("matplotlib", "matplotlib", ("report", "RUN")),
+    ("scipy", "scipy", ("export", "RUN", "--format", "mat")),
+]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return a run that has ended well."""
+    out = tmp_path_factory.mktemp("done")
+    subprocess.run(
+        [sys.executable, "-m", "rig", *SIMULATED, "--out", out], check=True, capture_output=True
+    )
+    return next(out.iterdir())
+
+
+@pytest.mark.parametrize(("name", "package", "words"), CASES)
+def test_the_package_is_named_with_what_installs_it(tmp_path, done, name, package, words):
+    (tmp_path / "sitecustomize.py").write_text(WITHOUT)
+    told = subprocess.run(
+        [sys.executable, "-m", "rig", *(str(done) if word == "RUN" else word for word in words)],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "WITHOUT": name},
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert told.returncode == 2, told.stderr
+    last = told.stderr.splitlines()[-1]
+    assert last.startswith("error: ")
+    assert last.endswith(f"{name} is not installed here: pip install {package}")
+    assert "Traceback" not in told.stderr and "bug" not in told.stderr
+    for manifest in tmp_path.glob("runs/*/manifest.json"):
+        assert '"exit_code": 2' in manifest.read_text()
+
+
+def test_pip_knows_every_package_by_that_name():
+    extras = PROJECT["optional-dependencies"]
+    for package in PACKAGES.values():
+        wanted = Requirement(package.strip("'"))
+        if wanted.name == "rig-controller":
+            assert wanted.extras <= extras.keys()
+        else:
+            texts = [*PROJECT["dependencies"], *extras["multicast"]]
+            assert any(
+                wanted.name == (one := Requirement(text)).name and wanted.extras <= one.extras
+                for text in texts
+            )
+
+
+def test_every_package_that_is_needed_is_known():
+    needed = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
+    assert needed <= set(PACKAGES.values())
+
+
+def test_every_module_of_others_that_is_imported_is_known():
+    """By what the sources say; the rest comes with one of these, or is for who tests a rig."""
+    said = set()
+    for folder in ("rig", "drivers", "controllers"):
+        for path in (ROOT / folder).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.Import):
+                    said |= {alias.name.partition(".")[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom):
+                    said.add(str(node.module).partition(".")[0])
+    ours = {"rig", "drivers", "controllers", "configs"}
+    with_others = {"pydantic_core", "typing_extensions", "_typeshed", "pandas", "pytest"}
+    assert said - sys.stdlib_module_names - ours - with_others <= PACKAGES.keys()
+    assert {"mujoco", "cv2", "serial", "cma", "numba"} <= said
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ModuleNotFoundError("No module named 'rig.nothing'", name="rig.nothing"),
+        ModuleNotFoundError("No module named 'drivers'", name="drivers"),
+        ModuleNotFoundError("No module named 'numpy._core'", name="numpy._core"),
+        ModuleNotFoundError("No module named 'theirs'", name="theirs"),
+        ModuleNotFoundError("No module named 'numpy'"),
+        ImportError("cannot import name 'x' from 'numpy'", name="numpy"),
+        ValueError("numpy"),
+    ],
+)
+def test_what_is_no_missing_package_is_as_it_was(error):
+    assert missing_package(error) is None
