@@ -10,7 +10,6 @@ import tempfile
 from pathlib import Path
 
 _NAME = "NUMBA_CACHE_DIR"
-_OFF = "NUMBA_DISABLE_JIT"
 _TEMPORARY = ("/tmp", "/var/tmp", "/usr/tmp")
 
 
@@ -49,13 +48,13 @@ def check_compiler() -> None:
         It is told so, by the environment or by who has imported it.
     """
     numba = sys.modules.get("numba")
-    said = os.environ.get(_OFF, "").strip()
+    said = os.environ.get("NUMBA_DISABLE_JIT", "").strip()
     is_off = said.isdecimal() and int(said) if numba is None else numba.config.DISABLE_JIT
     if is_off:
         from rig.hal import ConfigurationError
 
         raise ConfigurationError(
-            f"{_OFF} is set, and this program's kernels run only compiled: unset it, "
+            "NUMBA_DISABLE_JIT is set, and this program's kernels run only compiled: unset it, "
             "and import numba after that"
         )
 
