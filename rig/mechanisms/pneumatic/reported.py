@@ -24,11 +24,12 @@ def check_measured(segments: Sequence[Segment], period: float) -> None:
     Raises
     ------
     ValueError
-        A segment is shorter than some cycles.
+        A segment is shorter than some cycles, and yet of some length.
     """
     for segment in segments:
         lasts = segment.end - segment.start
-        if lasts < (_CYCLES - 1e-6) * period:
+        # None at all is a procedure that finds everything done: nothing is measured.
+        if 0.0 < lasts < (_CYCLES - 1e-6) * period:
             raise ValueError(
                 f"segment {segment.name!r} lasts {format_quantity(lasts, 's')}: what is measured "
                 f"in it takes {_CYCLES} of the loop's cycles at least, "
