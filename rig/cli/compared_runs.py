@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import click
 
-from rig.runtime.stop import ENDING, all_as_ctrl_c
+from rig.runtime.ending_signals import all_as_ctrl_c
+from rig.runtime.stop import ENDING
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor

@@ -38,7 +38,7 @@ def export(run: str, format: str, out: Path | None, runs: Path, as_json: bool) -
     """
     path = find_run(run, runs)
     from rig.export import export_run
-    from rig.runtime.stop import all_as_ctrl_c
+    from rig.runtime.ending_signals import all_as_ctrl_c
 
     with all_as_ctrl_c():  # what was begun is taken away
         made = export_run(path, format, out)

@@ -38,7 +38,7 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
         raise click.UsageError("either --rehearse or --beside: one run is drawn over the other")
     path = find_run(run, runs)
     other = None if beside is None else find_run(beside, runs)
-    from rig.runtime.stop import all_as_ctrl_c
+    from rig.runtime.ending_signals import all_as_ctrl_c
 
     with all_as_ctrl_c():  # what draws ends with it
         compared, made = _written(path, other, rehearse)

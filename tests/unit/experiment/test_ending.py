@@ -94,6 +94,17 @@ def test_another_package_does_not_end_the_program(monkeypatch, error):
     assert bug.__traceback__ is traceback
 
 
+def test_a_package_that_is_not_installed_is_no_bug_and_a_module_of_ours_is():
+    missing = ModuleNotFoundError("No module named 'mujoco'", name="mujoco")
+    ending = module.bug_of(missing, 0.5)
+    assert (ending.status, ending.code) == (RunStatus.CRASHED, 2)
+    assert "pip install mujoco" in ending.message
+    assert ending.bug is missing
+    for name in ("rig.nowhere", "mujoco.parts", None):
+        ours = ModuleNotFoundError(f"No module named {name!r}", name=name)
+        assert module.bug_of(ours, 0.5).code == 70
+
+
 def test_a_broken_contract_of_the_loop_is_the_users_to_mend():
     status, code, message, bug, *_ = fault_of(ContractBroken("no number"), 1.5)
     assert (status, code, message) == (RunStatus.CRASHED, 2, "no number")

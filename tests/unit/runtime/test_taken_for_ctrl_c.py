@@ -6,7 +6,8 @@ import time
 
 import pytest
 
-from rig.runtime.stop import ENDING, all_as_ctrl_c
+from rig.runtime.ending_signals import all_as_ctrl_c
+from rig.runtime.stop import ENDING
 
 
 @pytest.fixture
