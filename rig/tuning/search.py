@@ -42,7 +42,7 @@ FIRST_LOOK: Final = 4
 _SHORTLIST: Final = (2, 2, 4)
 """So many candidates, the best of each part of the search, have the whole ensemble in the end."""
 _WALKED: Final = 2
-"""So many of the walk have it, too."""
+"""So many of the walk, or of what was seen before it, have it, too."""
 LAST_LOOK: Final = _WALKED + sum(_SHORTLIST)
 """At most: some are the best of two parts."""
 _PLACES: Final = 400
@@ -134,11 +134,12 @@ class GainSearch:
         best, least = looks[int(np.argmin(costs))], min(costs)
         history = [least]
         members = self._with_worst(gains_at(tunables, best), members)
-        passed = self._walk(judge, best if costs[0] >= LOST else here, members)
-        progress.say(f"cost {passed[0][0]:.3f} on {len(members)} plants, one gain after the other")
-        finalists = [gains_at(tunables, place) for _, place in passed[:_WALKED]]
         (seen,) = judge([gains_at(tunables, best)], members)
-        least, best = min((seen, best), passed[0])
+        walked = self._walk(judge, best if costs[0] >= LOST else here, members)
+        passed = sorted([(seen, best), *walked])
+        least, best = passed[0]
+        progress.say(f"cost {least:.3f} on {len(members)} plants, one gain after the other")
+        finalists = [gains_at(tunables, place) for _, place in passed[:_WALKED]]
         for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):
             if history[1:]:
                 members = self._with_worst(gains_at(tunables, best), members)
