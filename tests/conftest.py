@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+import unittest.mock
 
 import hypothesis
 import pytest
@@ -38,6 +39,13 @@ def _state_of_its_own(tmp_path_factory):
     """Keep the faults of this user's rigs out of the tests, and theirs out of this user's rigs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(autouse=True)
+def _environment_is_put_back():
+    """Leave to the next test what it would have found alone: the product sets variables, too."""
+    with unittest.mock.patch.dict(os.environ):
         yield
 
 

@@ -81,6 +81,7 @@ def test_no_kernel_comes_from_the_working_folder(tmp_path, monkeypatch, variable
     """What is kept of compiled kernels runs."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(kernel_cache, "_beside", lambda: Path("/dev/null/x"))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "of who runs the tests")  # so that it is put back
     for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv(variable, "here")
@@ -89,7 +90,6 @@ def test_no_kernel_comes_from_the_working_folder(tmp_path, monkeypatch, variable
     monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(temporary))
     kernel_cache.keep_kernels()
     assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == temporary
-    monkeypatch.delenv("NUMBA_CACHE_DIR")
 
 
 SCRIPT = """

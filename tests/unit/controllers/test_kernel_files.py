@@ -8,7 +8,7 @@ import shutil
 
 import numpy as np
 import pytest
-from numba.core import caching
+from numba.core import caching, config
 
 from controllers.kernel_files import kept_kernel
 
@@ -25,8 +25,10 @@ def other(values, gain):
 
 
 @pytest.fixture
-def write(tmp_path):
+def write(tmp_path, monkeypatch):
     """Return what writes a module of laws and imports it; the same file may be written again."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")  # beside it, wherever who runs the tests keeps theirs
+    config.reload_config()
 
     def written(weight=3.0):
         path = tmp_path / "laws.py"
