@@ -11,6 +11,7 @@ from rig.experiment.metrics import Metric
 from rig.experiment.plan import make_plan
 from rig.experiment.run import Result, run_experiment
 from rig.hal import ConfigurationError, RigError
+from rig.installation import missing_package
 from rig.run_facts import RunStatus
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import MetricCell, PointFinding, one_line, refusal
@@ -55,6 +56,8 @@ def perform(job: PointJob) -> PointFinding:
     ------
     SweepStopped
         Something else than the point's settings keeps it from running: the disk, say.
+    ModuleNotFoundError
+        A package is not installed here.
     """
     resolved = resolve(job.source, job.options, job.configs)
     if resolved.name != job.name:
@@ -78,6 +81,9 @@ def perform(job: PointJob) -> PointFinding:
         _refuse_if_outside(str(error), job)
         finding = refusal(job.name, error)
     except Exception as error:
+        if missing_package(error) is not None:  # no point would fare better here
+            shutil.rmtree(place, ignore_errors=True)
+            raise
         finding = PointFinding(
             point=job.name, status=RunStatus.CRASHED.value,
             reason=_ADDRESS.sub("", one_line(f"{type(error).__name__}: {error}")), metrics=[],

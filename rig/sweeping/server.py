@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from rig.assembly.rows import load
+from rig.installation import missing_package
 from rig.runtime.parent import end_with
 from rig.sweeping.code import code_version, import_all
 from rig.sweeping.engine import Perform, PointReport, WorkerSetup
@@ -83,6 +84,10 @@ def _work(connection: Connection, perform: Perform) -> None:
                 report = PointReport(job.name, finding=perform(job))
             except SweepStopped as error:
                 report = PointReport(job.name, trouble=error.what)
+            except ModuleNotFoundError as error:
+                if (lacking := missing_package(error)) is None:
+                    raise
+                report = PointReport(job.name, trouble=lacking)
             connection.send(report)
 
 

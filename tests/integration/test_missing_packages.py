@@ -55,14 +55,19 @@ def done(tmp_path_factory):
     return next(out.iterdir())
 
 
-@pytest.mark.parametrize(("name", "package", "words"), CASES)
-def test_the_package_is_named_with_what_installs_it(tmp_path, done, name, package, words):
-    (tmp_path / "sitecustomize.py").write_text(WITHOUT)
-    told = subprocess.run(
-        [sys.executable, "-m", "rig", *(str(done) if word == "RUN" else word for word in words)],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "WITHOUT": name},
+def rig_without(name, folder, *words):
+    """Run a command where a package is not to be found."""
+    (folder / "sitecustomize.py").write_text(WITHOUT)
+    return subprocess.run(
+        [sys.executable, "-m", "rig", *words],
+        cwd=folder, env={**os.environ, "PYTHONPATH": f"{folder}:{ROOT}", "WITHOUT": name},
         capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "package", "words"), CASES)
+def test_the_package_is_named_with_what_installs_it(tmp_path, done, name, package, words):
+    told = rig_without(name, tmp_path, *(str(done) if word == "RUN" else word for word in words))
     assert told.returncode == 2, told.stderr
     last = told.stderr.splitlines()[-1]
     assert last.startswith("error: ")
@@ -70,6 +75,21 @@ def test_the_package_is_named_with_what_installs_it(tmp_path, done, name, packag
     assert "Traceback" not in told.stderr and "bug" not in told.stderr
     for manifest in tmp_path.glob("runs/*/manifest.json"):
         assert '"exit_code": 2' in manifest.read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "experiment"), [("numba", "cylinder-step"), ("mujoco", "legs-squat")]
+)
+def test_a_sweep_whose_workers_lack_it_ends_and_finds_nothing_of_a_point(
+    tmp_path, name, experiment
+):
+    told = rig_without(
+        name, tmp_path, "sweep", experiment, "--seeds", "0:2", "--on", "sim", "--out", "sweep"
+    )
+    assert told.returncode == 3, told.stderr
+    last = told.stderr.splitlines()[-1]
+    assert last == f"error: sweep: {name} is not installed here: pip install {name}"
+    assert (tmp_path / "sweep" / "points.jsonl").read_text().count('"status"') == 0
 
 
 def test_pip_knows_every_package_by_that_name():
