@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 import sys
 import unittest.mock
 
@@ -23,6 +24,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # and every worker all tests: half of what such a start costs.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# A shell that begins the tests in the background has them ignore Ctrl-C, `nohup` the end of the
+# terminal, and so would every process that a test starts and ends by these.
+for number, handler in (
+    (signal.SIGINT, signal.default_int_handler),
+    (signal.SIGHUP, signal.SIG_DFL),
+):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, handler)
 
 # What passed once passes again: the same examples in every run. Others are drawn with
 # `--hypothesis-profile=default`.
