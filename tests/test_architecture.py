@@ -277,7 +277,7 @@ def test_no_hook_of_the_contract_is_set_from_outside():
     assert not broken, "\n".join(broken)
 
 
-MOST_ANY = 200
+MOST_ANY = 198
 
 
 def test_any_is_said_rarely():

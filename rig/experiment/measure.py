@@ -88,7 +88,7 @@ class Samples:
 
     def column(self, name: str) -> "Array":
         """Return one column, shape (n,); LogError if there is none."""
-        return np.ascontiguousarray(self._log.column(name)[self._run])
+        return np.asanyarray(self._log.column(name)[self._run], order="C")
 
     def slope(self, name: str) -> "Array":
         """Return a column's derivative, shape (n,); see `local_slope`. The last one is kept."""
@@ -194,10 +194,11 @@ Values = Callable[[Window], "Array"]
 
 def stretch_of(chosen: "NDArray[np.bool_]") -> "slice | NDArray[np.bool_]":
     """Return the slice that chosen cycles are, which takes no memory; themselves if it is none."""
-    if not chosen.any():
+    places = np.flatnonzero(chosen)
+    if not len(places):
         return slice(0, 0)
-    first, last = int(np.argmax(chosen)), len(chosen) - int(np.argmax(chosen[::-1]))
-    return slice(first, last) if chosen[first:last].all() else chosen
+    first, last = int(places[0]), int(places[-1]) + 1
+    return slice(first, last) if last - first == len(places) else chosen
 
 
 class Measure(NamedTuple):
@@ -295,7 +296,9 @@ def local_slope(t: "Array", x: "Array") -> "Array":
         return np.zeros(n)
     half = max(1, round(0.5 * SLOPE_SPAN * (n - 1) / float(t[-1] - t[0])))
     width = min(2 * half + 1, n)
-    slopes = np.empty(n - width + 1)
+    found = np.empty_like(t, np.float64)
+    before = (width - 1) // 2
+    slopes = found[before : before + n - width + 1]
     # A piece at a time: every sample stands in `width` windows at once.
     for start in range(0, len(slopes), _WINDOWS_AT_ONCE):
         here = slice(start, start + _WINDOWS_AT_ONCE)
@@ -303,5 +306,5 @@ def local_slope(t: "Array", x: "Array") -> "Array":
         times = times - times.mean(axis=1, keepdims=True)
         values = np.lib.stride_tricks.sliding_window_view(x, width)[here]
         slopes[here] = (times * values).sum(axis=1) / (times * times).sum(axis=1)
-    before = (width - 1) // 2
-    return np.pad(slopes, (before, n - len(slopes) - before), mode="edge")
+    found[:before], found[before + len(slopes) :] = slopes[0], slopes[-1]
+    return found

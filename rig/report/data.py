@@ -74,11 +74,11 @@ class RunData:
     @property
     def time(self) -> "NDArray[np.float64]":
         """Seconds since the reference started, of the cycles that followed it, shape (n,)."""
-        return np.ascontiguousarray(self.t[self._stretch])
+        return np.asanyarray(self.t[self._stretch], order="C")
 
     def trace(self, name: str) -> "NDArray[np.float64]":
         """Return a column of the cycles that followed the reference, shape (n,)."""
-        return np.ascontiguousarray(self.log.column(name)[self._stretch])
+        return np.asanyarray(self.log.column(name)[self._stretch], order="C")
 
     def track(self, name: str) -> "NDArray[np.float64]":
         """Return the columns ``name_x``, ``_y``, ``_z`` of the same cycles, shape (n, 3)."""

@@ -12,7 +12,7 @@ from rig.report.envelope import envelope
 if TYPE_CHECKING:
     import numpy as np
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
     from numpy.typing import NDArray
 
     from rig.hal.motion import Segment
@@ -44,6 +44,14 @@ def panels(figure: "Figure", rows: int, columns: int, **style: Any) -> "list[Axe
     """Return the axes of a grid, row by row; `style` as for ``Figure.subplots``."""
     made: list[Axes] = np.ravel(figure.subplots(rows, columns, **style)).tolist()
     return made
+
+
+def halves(figure: "Figure", ratio: float) -> "tuple[SubFigure, SubFigure]":
+    """Return the left part of a figure, so many times as wide as the right one, and that one."""
+    grid = figure.add_gridspec(
+        1, 2, width_ratios=[ratio, 1.0], left=0.0, right=1.0, bottom=0.0, top=1.0
+    )
+    return figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
 
 
 def draw_line(

@@ -22,6 +22,8 @@ _LEAST: Final = 2
 """Sines of which a response is drawn: one alone is a number."""
 _BEYOND: Final = 2.0
 """How far the linear loop is drawn beyond the frequencies that were run."""
+_AT_ONCE: Final = 1 << 18
+"""Samples that are fitted together: what they take of memory does not grow with the run."""
 _MARKERS: Final = "osD^v"
 
 Linear = Callable[["NDArray[np.float64]"], "Complex"]
@@ -75,6 +77,11 @@ def phasor(t: "NDArray[np.float64]", x: "NDArray[np.float64]", frequency: float)
     """Return amplitude and phase of a signal's part at a frequency, by least squares."""
     angle = 2.0 * np.pi * frequency * t
     basis = np.column_stack([np.cos(angle), np.sin(angle), np.ones_like(t)])
+    if len(x) > _AT_ONCE:  # the triangle that a piece has says the same of it in four rows
+        pieces = (slice(k, k + _AT_ONCE) for k in range(0, len(x), _AT_ONCE))
+        triangles = [np.linalg.qr(np.column_stack([basis[p], x[p]]), "r") for p in pieces]
+        *sides, x = np.concatenate(triangles).T
+        basis = np.column_stack(sides)
     (a, b, _), *_ = np.linalg.lstsq(basis, x, rcond=None)
     return complex(a, -b)
 

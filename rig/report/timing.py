@@ -65,7 +65,7 @@ def has_timing(log: "LogColumns") -> bool:
 
 def work_times(log: "LogColumns") -> "NDArray[np.float64]":
     """Return how long all stages of each cycle took, s, shape (n,)."""
-    work, end = np.empty(log.rows), 0
+    work, end = np.empty_like(log.t), 0
     for stages in zip(*(log.pieces(f"timing.{stage}") for stage in STAGES), strict=True):
         start, end = end, end + len(stages[0])
         work[start:end] = np.column_stack(stages).sum(axis=1)

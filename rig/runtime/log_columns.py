@@ -1,11 +1,13 @@
 """The columns of a log that is too long for the memory: laid side by side in a file of their own.
 
 A log's file has its rows side by side. Whoever judges or draws a run wants whole columns, some of
-them, one after the other: each stands here in one piece and is read when it is asked for.
+them, one after the other: each stands here in one piece, whose pages are read when they are looked
+at.
 """
 
 import contextlib
 import errno
+import mmap
 import os
 import tempfile
 import weakref
@@ -17,6 +19,7 @@ import numpy as np
 
 from rig.hal.columns import Column
 from rig.runtime.log import LogFile, no_such_column, whole_log
+from rig.runtime.long_array import LONG, mapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +31,7 @@ _SHORT = 64 << 20
 _NUMBER_SIZE = 8
 _OF_ALL = ("cycle", "t", "stamp")
 """Fields of a row beside its columns; they are laid first."""
-_PIECE = 1 << 19
+_PIECE = 1 << 16
 """Numbers of a column that are read in one go where it is not wanted whole."""
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EFBIG)
 
@@ -128,7 +131,10 @@ class FiledColumns:
 
     def __init__(self, file: LogFile, folder: Path) -> None:
         self.columns = file.columns
-        self._room = file.room
+        self._folder = folder
+        # A column begins where a page does.
+        page = mmap.ALLOCATIONGRANULARITY // _NUMBER_SIZE
+        self._room = -(-file.room // page) * page
         with tempfile.TemporaryFile(dir=folder) as nameless:
             self._store = os.dup(nameless.fileno())
         weakref.finalize(self, os.close, self._store)
@@ -145,17 +151,17 @@ class FiledColumns:
     @property
     def cycle(self) -> "NDArray[np.uint64]":
         """Number of each cycle, shape (n,)."""
-        return self._read(_OF_ALL.index("cycle"), np.uint64)
+        return self._whole(_OF_ALL.index("cycle"), np.uint64)
 
     @property
     def t(self) -> "NDArray[np.float64]":
         """Time on the rig's clock, s, shape (n,)."""
-        return self._read(_OF_ALL.index("t"), np.float64)
+        return self._whole(_OF_ALL.index("t"), np.float64)
 
     @property
     def stamp(self) -> "NDArray[np.uint64]":
         """Wall-clock time, ns since the epoch, shape (n,)."""
-        return self._read(_OF_ALL.index("stamp"), np.uint64)
+        return self._whole(_OF_ALL.index("stamp"), np.uint64)
 
     def __contains__(self, name: object) -> bool:
         return name in self._places
@@ -170,7 +176,7 @@ class FiledColumns:
         """
         if name not in self._places:
             raise no_such_column(name, self.columns)
-        return self._read(self._places[name], np.float64)
+        return self._whole(self._places[name], np.float64)
 
     def names(self, prefix: str) -> tuple[str, ...]:
         """Return the names of the columns that start with `prefix`, in order."""
@@ -209,10 +215,14 @@ class FiledColumns:
             taken = os.pwrite(self._store, left, offset)
             left, offset = left[taken:], offset + taken
 
-    def _read(
-        self, place: int, kind: "type[Number]", start: int = 0, count: int | None = None
-    ) -> "NDArray[Number]":
-        found = np.empty(self._count if count is None else count, kind)
+    def _whole(self, place: int, kind: "type[Number]") -> "NDArray[Number]":
+        if self._count * _NUMBER_SIZE < LONG:
+            return self._read(place, kind, 0, self._count)
+        start = _NUMBER_SIZE * place * self._room
+        return mapped(self._folder, self._store, start, self._count, kind)
+
+    def _read(self, place: int, kind: "type[Number]", start: int, count: int) -> "NDArray[Number]":
+        found = np.empty(count, kind)
         # Not by the file's own position: processes that draw figures share it.
         left = found.view(np.uint8).data
         offset = _NUMBER_SIZE * (place * self._room + start)

@@ -1,7 +1,7 @@
 """An arm's laws on one path: the rates they ask for, and where each of them loses."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from rig.report.comparison import Comparison, ComparisonRow
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
-from rig.report.figure import TIME_LABEL
+from rig.report.figure import TIME_LABEL, halves
 from rig.report.style import PAGE, PALETTE, VERMILION, new_figure
 from rig.run_facts import EVALUATION
 
@@ -78,8 +78,7 @@ def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[Compar
 def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     """Draw each law's rates over time, as shares of the limits, beside what the law costs."""
     figure = new_figure(PAGE, 24.0 + 23.0 * max(len(runs), 4))
-    halves: Any = figure.subfigures(1, 2, width_ratios=[1.6, 1.0])
-    over_time, costs = halves
+    over_time, costs = halves(figure, 1.6)
     panels = over_time.subplots(len(runs), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     facts = [_facts(run) for run in runs]
     for axes, run, label, known in zip(panels, runs, labels, facts, strict=True):

@@ -1,7 +1,7 @@
 """An arm's laws on the same twists: how much of them each does, and what it adds to them."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from rig.report.comparison import Comparison, ComparisonRow
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
-from rig.report.figure import TIME_LABEL
+from rig.report.figure import TIME_LABEL, halves
 from rig.report.style import BLUE, INK, PAGE, VERMILION, new_figure
 from rig.run_facts import EVALUATION
 
@@ -70,8 +70,7 @@ def tabulate_twists(runs: Sequence[RunData], labels: Sequence[str]) -> list[Comp
 def draw_twists(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     """Draw how much of the twists each law does and what it does beside them, over time."""
     figure = new_figure(PAGE, 30.0 + 34.0 * max(len(runs), 3))
-    halves: Any = figure.subfigures(1, 2, width_ratios=[1.6, 1.0])
-    over_time, costs = halves
+    over_time, costs = halves(figure, 1.6)
     panels = over_time.subplots(len(runs), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, run, label in zip(panels, runs, labels, strict=True):
         _draw_shares(axes, run)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from rig.report.comparison import Comparison, ComparisonRow, metric_values, rows
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
-from rig.report.figure import TIME_LABEL
+from rig.report.figure import TIME_LABEL, halves
 from rig.report.style import GREY, PAGE, new_figure, place_legend
 from rig.run_facts import EVALUATION
 
@@ -76,8 +76,7 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     approach", Fig. 4.
     """
     figure = new_figure(PAGE, 24.0 + 23.0 * max(len(runs), 4))
-    halves: Any = figure.subfigures(1, 2, width_ratios=[1.75, 1.0])
-    walks, costs = halves
+    walks, costs = halves(figure, 1.75)
     top = None
     panels = walks.subplots(len(runs), 1, sharex=True, squeeze=False)[:, 0]
     for axes, run, label in zip(panels, runs, labels, strict=True):

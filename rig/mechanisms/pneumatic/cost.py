@@ -5,7 +5,8 @@ the channel that has most of it, as the first valve that fails stops the rig. Wh
 each instant counts once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -26,12 +27,14 @@ _SMOOTHED: Final = 5e-3
 """Half of the time over which a pressure is smoothed, s: 60 Hz pass by 0.9."""
 _SEEN: Final = 1e3
 """Pressure that has to come or go, at the mean volume, before it is air and not the monitor, Pa."""
+_AT_ONCE: Final = 1 << 16
+"""Cycles that are looked at together: what they take of memory does not grow with the run."""
 _SWING: Final = 25e3
 """A setpoint has turned round once it came back by this, Pa: less moves no valve far."""
 
 
-def turning_points(values: "Array", swing: float) -> list[float]:
-    """Return the extremes between which a signal goes to and fro by more than `swing`.
+def turning_points(values: "Array", swing: float) -> Iterator[float]:
+    """Yield the extremes between which a signal goes to and fro by more than `swing`.
 
     Parameters
     ----------
@@ -40,32 +43,35 @@ def turning_points(values: "Array", swing: float) -> list[float]:
     swing : float
         Of its unit: what comes back by less has not turned round.
 
-    Returns
-    -------
-    list of float
+    Yields
+    ------
+    float
         The first and the last one are where it began and how far it got; none if it never went far.
     """
     steps = np.sign(np.diff(values))
     turns = np.flatnonzero(steps[1:] != steps[:-1]) + 1
-    found: list[float] = []
     low = high = float(values[0])
     rises: bool | None = None
-    for value in [*values[turns].tolist(), float(values[-1])]:
+    for value in chain(_each(values[turns]), _each(values[-1:])):
         if rises is not True and value - low > swing:
-            found.append(low)
+            yield low
             rises, high = True, value
         elif rises is not False and high - value > swing:
-            found.append(high)
+            yield high
             rises, low = False, value
         low, high = min(low, value), max(high, value)
     if rises is not None:
-        found.append(high if rises else low)
-    return found
+        yield high if rises else low
+
+
+def _each(values: "Array") -> Iterator[float]:
+    for start in range(0, len(values), _AT_ONCE):
+        yield from values[start : start + _AT_ONCE].tolist()
 
 
 def reversals_of(setpoint: "Array") -> int:
     """Return how often a setpoint (Pa) turns round by 25 kPa."""
-    return max(len(turning_points(setpoint, _SWING)) - 2, 0)
+    return max(sum(1 for _ in turning_points(setpoint, _SWING)) - 2, 0)
 
 
 def valve_reversals(windows: Windows) -> float:
@@ -122,7 +128,7 @@ def _filled(window: Window, channel: str, rod: str, sense: float) -> float:
     mean_pressure, mean_volume = (0.5 * (x[1:] + x[:-1]) for x in (pressure, volume))
     steps = mean_volume * np.diff(pressure) + _ADIABATIC * mean_pressure * np.diff(volume)
     gained = np.concatenate([[0.0], np.cumsum(steps)])
-    extremes = turning_points(gained, _SEEN * float(volume.mean()))
+    extremes = np.fromiter(turning_points(gained, _SEEN * float(volume.mean())), float)
     return float(np.maximum(np.diff(extremes), 0.0).sum())
 
 
@@ -139,7 +145,11 @@ def _smoothed(values: "Array", half: int) -> "Array":
     k = np.arange(-half, half + 1)
     weights = 3.0 * (3.0 * half * (half + 1) - 1.0 - 5.0 * k * k)
     weights /= (2 * half - 1) * (2 * half + 1) * (2 * half + 3)
-    smooth: Array = np.convolve(np.pad(values, half, mode="edge"), weights, "valid")
+    around = np.concatenate([[values[0]] * half, values, [values[-1]] * half])
+    smooth = np.empty_like(values)
+    for start in range(0, len(values), _AT_ONCE):
+        piece = around[start : start + _AT_ONCE + 2 * half]
+        smooth[start : start + _AT_ONCE] = np.convolve(piece, weights, "valid")
     return smooth
 
 
