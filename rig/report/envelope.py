@@ -9,6 +9,11 @@ if TYPE_CHECKING:
 
 POINTS = 3000
 """Greatest number of points of a drawn line: more than any print resolves at 170 mm."""
+LONG_PATH = 200_000
+"""A path in the plane of no more points is drawn as it is."""
+_CELLS = 400
+"""Of a longer one, along each axis: what a print resolves at 85 mm."""
+_AT_ONCE = 1 << 16
 
 
 def envelope(
@@ -46,3 +51,42 @@ def envelope(
         ends = {whole + int(rest.argmin()), whole + int(rest.argmax())}
         kept = np.concatenate([kept, np.array(sorted(ends))])
     return t[kept], x[kept]
+
+
+def path_envelope(
+    x: "NDArray[np.float64]", y: "NDArray[np.float64]", longest: int = LONG_PATH
+) -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
+    """Keep of a path in the plane where it comes to what it has not been at.
+
+    One that goes round and round is drawn over itself: what it takes to draw does not grow with it.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Shape (n,).
+    longest : int
+        A path of no more points is returned as it is.
+
+    Returns
+    -------
+    x, y : ndarray
+        Shape (m,); NaN where the line is to be broken.
+    """
+    if len(x) <= longest:
+        return x, y
+    axes = [(values, float(np.nanmin(values)), float(np.nanmax(values))) for values in (x, y)]
+    been = np.zeros(_CELLS * _CELLS, bool)
+    fresh = []
+    for start in range(0, len(x), _AT_ONCE):
+        part, cells = slice(start, start + _AT_ONCE), np.zeros(1, np.int64)
+        for values, low, high in axes:
+            share = np.nan_to_num((values[part] - low) / max(high - low, 1e-300))
+            cells = _CELLS * cells + (share * (_CELLS - 1)).astype(np.int64)
+        found, first = np.unique(cells, return_index=True)
+        fresh.append(start + first[~been[found]])
+        been[found] = True
+    places = np.concatenate(fresh)
+    # With the way there and on from there.
+    kept = np.unique(np.concatenate([places - 1, places, places + 1]).clip(0, len(x) - 1))
+    breaks = np.flatnonzero(np.diff(kept) > 1) + 1
+    return np.insert(x[kept], breaks, np.nan), np.insert(y[kept], breaks, np.nan)

@@ -9,6 +9,7 @@ from rig.mechanisms.arm.boundary import meridian
 from rig.mechanisms.arm.limit_figures import draw_accelerations, draw_torques
 from rig.mechanisms.arm.singular_band import KINDS, mark_region
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
     BLUE,
@@ -160,8 +161,9 @@ def draw_arm(run: RunData) -> "Figure | None":
         side.plot(_along(points, heading), points[:, 2], "-o", ms=2.0, lw=1.2, color=color)
         above.plot(points[:, 0], points[:, 1], "-o", ms=2.0, lw=1.2, color=color)
     hand = run.track("reference.hand")
-    side.plot(_along(hand, heading), hand[:, 2], color=VERMILION, lw=1.2, label="path of the hand")
-    above.plot(hand[:, 0], hand[:, 1], color=VERMILION, lw=1.2, label="path of the hand")
+    for axes, x, y in ((side, _along(hand, heading), hand[:, 2]), (above, *hand[:, :2].T)):
+        path = path_envelope(x, y)
+        axes.plot(*path, color=VERMILION, lw=1.2, label="path of the hand")
     marks = _mark_singularities(run, side, above, _along(hand, heading))
     _draw_boundary(side, base, geometry)
     towards = f"along {np.degrees(heading):.0f} deg about z (m)" if heading else "x (m)"

@@ -6,6 +6,7 @@ import numpy as np
 
 from rig.experiment.measure import local_slope
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import TIME_LABEL, FigureKind, bounds_of, draw_line, finish_time_axis
 from rig.report.repeatability import draw_repeatability, places_of, visits_of
 from rig.report.style import (
@@ -128,8 +129,8 @@ def draw_phase(run: RunData) -> "Figure | None":
     for part, name, color in zip(parts, names, PALETTE, strict=False):
         if part.any():
             axes.plot(
-                velocity[part], difference[part], color=color, lw=0.5, alpha=0.8, label=name,
-                rasterized=True,
+                *path_envelope(velocity[part], difference[part]), color=color, lw=0.5, alpha=0.8,
+                label=name, rasterized=True,
             )  # fmt: skip
     axes.set_xlabel("velocity (mm/s)")
     axes.set_ylabel("agonist − antagonist pressure (kPa)")

@@ -9,6 +9,7 @@ from rig.experiment.measure import Samples, Window
 from rig.mechanisms.joint.measures.stiffness import yielding
 from rig.mechanisms.joint.measures.tracking import CHANNELS
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import FigureKind
 from rig.report.style import BLUE, GREY, INK, ORANGE, PAGE, VERMILION, new_figure, place_legend
 
@@ -189,7 +190,8 @@ def _draw_loop(axes: "Axes", window: Window) -> None:
     """Draw how the rods of a pair gave way to its push at one pressure."""
     force = window.column("estimate.tension_ch1") - window.column("estimate.tension_ch3")
     position = 0.5 * (window.column("reading.rod_ch1") - window.column("reading.rod_ch3"))
-    axes.plot((position - position.mean()) * 1e6, force - force.mean(), color=BLUE, lw=0.5)
+    path = path_envelope((position - position.mean()) * 1e6, force - force.mean())
+    axes.plot(*path, color=BLUE, lw=0.5)
     axes.set_title(window.segment.name)
 
 

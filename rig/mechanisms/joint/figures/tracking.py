@@ -8,6 +8,7 @@ import numpy as np
 from rig.experiment.measure import local_slope
 from rig.mechanisms.joint.measures.tracking import CHANNELS, PAIRS
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import TIME_LABEL, FigureKind, bounds_of, draw_line, finish_time_axis
 from rig.report.frequency_figure import draw_response
 from rig.report.style import (
@@ -84,17 +85,16 @@ def draw_marker_track(run: RunData) -> "Figure | None":
         if shown
         else [("all", np.ones(len(t), bool))]
     )
-    left.plot(u, v, color=INK, lw=0.8, ls=(0, (4, 2)), label="target", zorder=3)
+    left.plot(*path_envelope(u, v), color=INK, lw=0.8, ls=(0, (4, 2)), label="target", zorder=3)
     for (name, part), color in zip(windows, PALETTE, strict=False):
         if not part.any():
             continue
-        left.plot(x[part], y[part], color=color, lw=0.7, label=name)
+        left.plot(*path_envelope(x[part], y[part]), color=color, lw=0.7, label=name)
         azimuth = np.degrees(np.arctan2(v[part], u[part]))
         radial = np.hypot(x[part], y[part]) - np.hypot(u[part], v[part])
-        order = np.argsort(azimuth)
-        right.plot(
-            azimuth[order], radial[order], ".", ms=0.6, color=color, alpha=0.5, rasterized=True
-        )
+        along, off = path_envelope(azimuth, radial)
+        order = np.argsort(along)
+        right.plot(along[order], off[order], ".", ms=0.6, color=color, alpha=0.5, rasterized=True)
         right.plot([], [], color=color, label=f"{name}: rms {_micro(radial)}")
     left.set_aspect("equal")
     left.set_xlabel("x (mm)")

@@ -15,6 +15,7 @@ from rig.mechanisms.legs.figures.base import (
 )
 from rig.mechanisms.legs.measures import from_first_stance
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import INK, PAGE, new_figure, place_legend
 
@@ -50,7 +51,7 @@ def draw_footsteps(run: RunData) -> "Figure | None":
     taken: list[Array] = []
     for number, leg in enumerate(LEGS):
         way = planned[:, number] * 1e3
-        ground.plot(way[:, 0], way[:, 1], color=COLORS[leg], lw=0.6, ls=(0, (1, 2)))
+        ground.plot(*path_envelope(way[:, 0], way[:, 1]), color=COLORS[leg], lw=0.6, ls=(0, (1, 2)))
         for count, sample in landed[leg]:
             corners = sole_outline(run, leg, sample) * 1e3
             ground.fill(*corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8)

@@ -15,6 +15,7 @@ from rig.mechanisms.legs.figures.base import (
     turns,
 )
 from rig.report.data import RunData
+from rig.report.envelope import path_envelope
 from rig.report.figure import FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import GREY, INK, PAGE, new_figure, place_legend
 
@@ -69,7 +70,7 @@ def draw_balance(run: RunData) -> "Figure | None":
         ("plan.mass", INK, 0.9, "centre of mass"),
     ):
         a, b = (run.trace(f"{name}_{axis}") * 1e3 for axis in "xy")
-        ground.plot(a, b, color=color, lw=width, label=label)
+        ground.plot(*path_envelope(a, b), color=color, lw=width, label=label)
         if name == "plan.mass":
             ground.plot(a[0], b[0], "o", ms=3.0, color=INK, ls="", label="start")
             ground.plot(a[-1], b[-1], "s", ms=3.0, color=INK, ls="", label="end")
