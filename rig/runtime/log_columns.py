@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from rig.hal.columns import Column
+from rig.runtime import long_array
 from rig.runtime.log import LogFile, no_such_column, whole_log
-from rig.runtime.long_array import LONG, mapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -216,10 +216,10 @@ class FiledColumns:
             left, offset = left[taken:], offset + taken
 
     def _whole(self, place: int, kind: "type[Number]") -> "NDArray[Number]":
-        if self._count * _NUMBER_SIZE < LONG:
+        if self._count * _NUMBER_SIZE < long_array.LONG:
             return self._read(place, kind, 0, self._count)
         start = _NUMBER_SIZE * place * self._room
-        return mapped(self._folder, self._store, start, self._count, kind)
+        return long_array.mapped(self._folder, self._store, start, self._count, kind)
 
     def _read(self, place: int, kind: "type[Number]", start: int, count: int) -> "NDArray[Number]":
         found = np.empty(count, kind)

@@ -50,7 +50,7 @@ class LongArray(np.ndarray[Given, Given]):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Given, **how: Given) -> Given:
         """Compute as numpy does, a long result into a file."""
         compute: Callable[..., Given] = getattr(ufunc, method)
-        values = [_plain(value) for value in inputs]
+        values, how = list(map(_plain, inputs)), {key: _plain(how[key]) for key in how}
         if (out := how.pop("out", None)) is not None:
             compute(*values, out=tuple(map(_plain, out)), **how)
             return out if len(out) > 1 else out[0]
@@ -239,15 +239,17 @@ def _concatenate(
     arrays: Sequence[Given],
     axis: int | None = 0,
     out: Given = None,
+    *,
+    dtype: Given = None,
     **how: Given,
 ) -> Given:
     plain = [np.asarray(array) for array in arrays]
-    if axis is None or out is not None or how:
-        return np.concatenate(plain, axis, _plain(out), **how)
+    if axis is None or out is not None or dtype is not None:
+        return np.concatenate(plain, axis, _plain(out), dtype=dtype, **how)
     is_along = axis % plain[0].ndim == 0
-    tip = np.concatenate([array[:_TIP] for array in plain], axis)
+    tip = np.concatenate([array[:_TIP] for array in plain], axis, **how)
     found = _room(folder, sum(map(len, plain)) if is_along else len(plain[0]), tip)
-    np.concatenate(plain, axis, _plain(found))
+    np.concatenate(plain, axis, _plain(found), **how)
     return found
 
 
