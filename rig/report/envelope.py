@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 POINTS = 3000
 """Greatest number of points of a drawn line: more than any print resolves at 170 mm."""
-LONG_PATH = 200_000
+LONG_PATH = 100_000
 """A path in the plane of no more points is drawn as it is."""
 _CELLS = 400
 """Of a longer one, along each axis: what a print resolves at 85 mm."""

@@ -264,7 +264,9 @@ def _empty_like(
 
 
 def _interp(folder: Path | None, x: Given, *knots: Given, **how: Given) -> Given:
-    knots = tuple(map(_plain, knots))
+    # What does not lie in one piece would be copied for every piece of x.
+    each = [np.asanyarray(values) for values in knots]
+    knots = tuple(_plain(values if values.flags.c_contiguous else values.copy()) for values in each)
     if np.ndim(x) != 1:
         return np.interp(_plain(x), *knots, **how)
     return _by_rows(folder, lambda part: np.interp(part, *knots, **how), x)

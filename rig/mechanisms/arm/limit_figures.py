@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _ROOM = 1.2
 """Of a panel beyond the limits."""
+_AT_ONCE = 1 << 15
+"""Cycles whose torques are computed together: their memory does not grow with the run."""
 _MOST = 3.0
 """What is beyond so many limits does not set the scale."""
 
@@ -53,7 +55,10 @@ def draw_torques(run: RunData) -> "Figure | None":
     needs = None if its is None else _torques_of(run)
     if its is None or needs is None:
         return None
-    foreseen = needs.of(its.q, its.rates, its.accelerations)
+    foreseen = np.empty_like(its.q)
+    for start in range(0, len(foreseen), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        foreseen[part] = needs.of(its.q[part], its.rates[part], its.accelerations[part])
     limits = needs.limits.tolist()
     return _panels(run, its, foreseen, limits, ("foreseen", "N m", "truth.torque"))
 

@@ -35,7 +35,7 @@ _ARRIVED = 0.2e-3
 def off_path(window: Window) -> "Array":
     """Return the distance of the hand from the path as far as it is gone, whenever, m."""
     hand, path = window.columns(f"{_source(window)}.hand_"), window.columns("plan.path_")
-    distances = np.empty(len(hand))
+    distances = np.empty_like(hand, shape=len(hand))
     for k, point in enumerate(hand):
         near = path[max(k - _NEAR, 0) : k + _NEAR]
         distances[k] = _to_polyline(point, near)
@@ -96,8 +96,8 @@ def _twist_residual(window: Window) -> "Array":
 
     The drives come later than planned, which is most of it where b changes.
     """
-    share = np.column_stack([window.column(f"plan.scale{of}") for of in ("", "_turn")])
-    asked = window.columns("plan.asked_") * np.repeat(share, 3, axis=1)
+    scales = [f"plan.scale{of}" for of in ("", "_turn") for _ in "xyz"]
+    asked = window.columns("plan.asked_") * np.column_stack(list(map(window.column, scales)))
     return window.columns("reading.twist_") - asked
 
 

@@ -77,8 +77,8 @@ def draw_marker_track(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 84.0)
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.05])
     source = "truth" if run.has("truth.marker_x") else "estimate"
-    x, y, _ = run.track(f"{source}.marker").T * 1e3
-    u, v, _ = run.track("reference.marker").T * 1e3
+    x, y, _ = (run.track(f"{source}.marker") * 1e3).T
+    u, v, _ = (run.track("reference.marker") * 1e3).T
     t = run.time
     windows = (
         [(s.name, (t >= s.start) & (t < s.end)) for s in shown]
