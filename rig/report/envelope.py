@@ -9,11 +9,12 @@ if TYPE_CHECKING:
 
 POINTS = 3000
 """Greatest number of points of a drawn line: more than any print resolves at 170 mm."""
-LONG_PATH = 100_000
-"""A path in the plane of no more points is drawn as it is."""
+_SHORT_PATH = 100_000
+"""A path in the plane of so many points is drawn as it is."""
 _CELLS = 400
 """Of a longer one, along each axis: what a print resolves at 85 mm."""
 _AT_ONCE = 1 << 16
+"""Points of it that are looked at together."""
 
 
 def envelope(
@@ -54,7 +55,7 @@ def envelope(
 
 
 def path_envelope(
-    x: "NDArray[np.float64]", y: "NDArray[np.float64]", longest: int = LONG_PATH
+    x: "NDArray[np.float64]", y: "NDArray[np.float64]"
 ) -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
     """Keep of a path in the plane where it comes to what it has not been at.
 
@@ -64,15 +65,13 @@ def path_envelope(
     ----------
     x, y : ndarray
         Shape (n,).
-    longest : int
-        A path of no more points is returned as it is.
 
     Returns
     -------
     x, y : ndarray
-        Shape (m,); NaN where the line is to be broken.
+        Shape (m,); NaN where the line is to be broken. The path itself if it is short enough.
     """
-    if len(x) <= longest:
+    if len(x) <= _SHORT_PATH:
         return x, y
     axes = [(values, float(np.nanmin(values)), float(np.nanmax(values))) for values in (x, y)]
     been = np.zeros(_CELLS * _CELLS, bool)

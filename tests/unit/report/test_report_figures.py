@@ -15,7 +15,7 @@ from rig.hal import ConfigurationError
 from rig.mechanisms.cylinder.figures import PAIR_FIGURES, draw_error
 from rig.report.compare import compare_metrics, draw_comparison
 from rig.report.data import load_run
-from rig.report.envelope import envelope
+from rig.report.envelope import envelope, path_envelope
 from rig.report.figures import draw_figures
 from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
@@ -117,6 +117,21 @@ def test_envelope_keeps_every_peak_and_its_order() -> None:
     assert np.ptp(short_x[(short_t > 0.1) & (short_t < 0.2)]) > 1.99, "no folding"
     assert envelope(t[:50], x[:50], 2000)[0] is not None
     assert np.array_equal(envelope(t[:50], x[:50], 2000)[1], x[:50])
+
+
+def test_a_long_path_is_drawn_wherever_it_is_once() -> None:
+    angle = np.linspace(0.0, 2e3 * np.pi, 1_000_003)
+    x, y = np.cos(angle), np.sin(angle)
+    x[[777, 555_555]], y[999_999] = (1.9, 1.7), -3.0
+    short_x, short_y = path_envelope(x, y)
+    assert len(short_x) == len(short_y) < 20_000
+    assert {1.9, 1.7} <= set(short_x.tolist())
+    assert -3.0 in short_y
+    at = np.flatnonzero(short_x == 1.7)[0]
+    assert short_x[at - 1 : at + 2].tolist() == x[555_554:555_557].tolist(), "there and back"
+    seen = np.angle(short_x + 1j * short_y)
+    assert np.diff(np.sort(seen[np.isfinite(seen)])).max() < 0.02, "all the way round"
+    assert np.array_equal(path_envelope(x[:50_000], y[:50_000])[1], y[:50_000])
 
 
 @pytest.mark.parametrize(
