@@ -8,12 +8,17 @@ Prints a table, and draws it.
 Ten hours take 25 GB of disk for a while, and as much again for what is exported without --discard.
 
 Processor time each, so that neighbours of this machine matter little; the least of a few rounds.
+Memory is what no file stands behind (`RssAnon` of the process that has most): the system takes the
+pages of files back when it needs them.
 Slopes are those of straight lines through the logarithms: 1 is linear.
 """
 
 import argparse
+import contextlib
+import itertools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -69,18 +74,14 @@ WAITING = 32
 ROUNDS = 3
 ONE = """
 import resource, sys, time
-from pathlib import Path
 import rig.export, rig.report.regenerate
 began = time.process_time()
 {work}
-spent, status = time.process_time() - began, Path("/proc/self/status").read_text()
-most = max(
-    int(status.partition("VmHWM:")[2].split()[0]),
-    resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss,  # those that draw figures
-)
-spent += sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
-print(spent, most / 1024)
+spent = time.process_time() - began
+print(spent + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]))
 """
+OFTEN = 0.005
+"""So often memory is looked at, s."""
 WORKS = {
     "csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[2])",
     "npz": "rig.export.export_run(sys.argv[1], 'npz', sys.argv[2])",
@@ -97,6 +98,27 @@ def say(line):
 def slope(x, y):
     """Return the exponent of a power law through points."""
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def memory_of(pid):
+    """Return the memory of a process and of those that it began which no file stands behind, MB."""
+    found = []
+    with contextlib.suppress(OSError):  # it has ended
+        told = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+        found += [int(kb) / 1024 for kb in re.findall(r"RssAnon:\s+(\d+)", told)]
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="utf-8")
+        found += itertools.chain.from_iterable(map(memory_of, children.split()))
+    return found
+
+
+def most_memory(words):
+    """Run a command; return what it says, what it complains of, and its greatest memory, MB."""
+    most = 0.0
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as done:
+        while done.poll() is None:
+            most = max([most, *memory_of(done.pid)])
+            time.sleep(OFTEN)
+        return *done.communicate(), most
 
 
 def cycle_costs(folder):
@@ -174,12 +196,12 @@ def length_costs(folder, works, lengths, out=None):
         long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
         for name, work in works.items():
             words = [sys.executable, "-c", ONE.format(work=work), str(long), out or f"{long}/out"]
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-            if done.returncode:
-                say(f"{name}, {minutes} min: {done.stderr.strip().splitlines()[-1]}")
-                found[name].append((np.nan, np.nan))
+            said, complaint, most = most_memory(words)
+            if said:
+                found[name].append((float(said), most))
             else:
-                found[name].append(tuple(map(float, done.stdout.split()[-2:])))
+                say(f"{name}, {minutes} min: {complaint.strip().splitlines()[-1]}")
+                found[name].append((np.nan, np.nan))
             say(f"{name}, {minutes} min: {found[name][-1][0]:.1f} s, {found[name][-1][1]:.0f} MB")
             (long / "out").unlink(missing_ok=True)
         shutil.rmtree(long)
