@@ -127,7 +127,11 @@ def install(profile: Profile, plant: Any, name: str) -> tuple[Any, Any]:
 
 
 def lend_plant(
-    profile: Profile, told: Mapping[str, float], seed: int, substep: float | None = None
+    profile: Profile,
+    told: Mapping[str, float],
+    seed: int,
+    substep: float | None = None,
+    noisier: float = 1.0,
 ) -> LentPlant:
     """Lend a plant that is as the laws are told, for a loop that runs compiled as a whole.
 
@@ -141,6 +145,8 @@ def lend_plant(
         Of what units are off, and of the devices' noise.
     substep : float, optional
         Other than the plant's own, s.
+    noisier : float
+        Times the noise of the plant's encoders.
 
     Raises
     ------
@@ -158,8 +164,10 @@ def lend_plant(
         model = "without a plant" if entry is None else f"with the plant {entry.model}"
         raise ConfigurationError(f"the profile {profile.name}, {model}, has no kernel to lend")
     settings = entry.settings.believed(told)
-    if substep is not None:
-        settings = dataclasses.replace(settings, substep=substep)
+    changes = {} if substep is None else {"substep": substep}
+    if hasattr(settings, "encoder_noise"):
+        changes["encoder_noise"] = noisier * settings.encoder_noise
+    settings = dataclasses.replace(settings, **changes)
     believed = dataclasses.replace(entry, settings=settings)
     simulation = dataclasses.replace(profile.simulation, seed=seed)
     plant = make_plant(dataclasses.replace(profile, plant=believed, simulation=simulation))

@@ -165,6 +165,7 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
+    from rig.tuning.ensemble import NOISIER
     from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, trials_of
 
     bounds = ", ".join(f"{name} {text}" for name, text in bench.ensemble.ranges().items())
@@ -174,7 +175,8 @@ def _announce(bench: Workbench, generations: int, folder: Path) -> None:
         f"{generations} that go on from the best: "
         f"{trials_of(generations, len(bench.tunables))} trials, each on several plants for "
         f"{bench.duration:.0f} s, and the best {LAST_LOOK} on all "
-        f"{len(bench.ensemble.corners())} plants: {bounds}",
+        f"{len(bench.ensemble.corners())} plants: {bounds}, "
+        f"and one whose encoders have {NOISIER:g} times the noise",
         err=True,
     )
     click.echo(f"what is tried is kept in {folder}", err=True)

@@ -15,7 +15,7 @@ from rig.experiment.plan import load_plan
 from rig.hal import ConfigurationError
 from rig.hal.bench import Trial, TuningBench
 from rig.hal.closed_loop import ClosedLoop
-from rig.tuning.ensemble import Ensemble, Member
+from rig.tuning.ensemble import NOISIER, Ensemble, Member
 from rig.tuning.gains import with_gains
 
 COARSE = 0.1e-3
@@ -78,8 +78,8 @@ class Workbench:
         self.law = _law(self.profile, request.controller)
         self.tunables: tuple[Tunable, ...] = self.law.tunables
         self.settings = self.profile.controllers[request.controller]
-        self._fine = self._bench(None)
-        self._coarse = self._bench(COARSE)
+        self._fine, self._coarse = self._bench(None), self._bench(COARSE)
+        self._noisy = {True: self._bench(COARSE, NOISIER), False: self._bench(None, NOISIER)}
         try:
             self._fine.check(self.settings)
         except ValueError as error:
@@ -95,6 +95,8 @@ class Workbench:
     def trial(self, gains: Mapping[str, float], member: Member, *, coarse: bool) -> Trial:
         """Run the law with some gains on one plant."""
         bench = self._coarse if coarse else self._fine
+        if member.noisy:
+            bench = self._noisy[coarse]
         chosen = with_gains(self.settings, gains)
         return bench.trial(chosen, member.numbers, member.seed)
 
@@ -111,13 +113,13 @@ class Workbench:
         found = self._coarse.measured(chosen, [(member.numbers, member.seed) for member in members])
         return None if found is None else list(found)
 
-    def _bench(self, substep: float | None) -> TuningBench:
+    def _bench(self, substep: float | None, noisier: float = 1.0) -> TuningBench:
         kind = REGISTRY.bench(self.profile.mechanism)
         if kind is None:
             raise ConfigurationError(
                 f"a {self.profile.mechanism} cannot be tuned: its row names no bench"
             )
-        lend = partial(lend_plant, self.profile, substep=substep)
+        lend = partial(lend_plant, self.profile, substep=substep, noisier=noisier)
         return kind(
             self.profile.mechanism_settings, self.law, self.profile.loop.period, lend,
             self._motions,

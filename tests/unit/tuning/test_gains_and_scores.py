@@ -93,8 +93,9 @@ def test_what_no_search_may_change_of_a_law_stays():
 def test_an_ensemble_goes_to_its_bounds_and_never_beyond():
     ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
     corners = ensemble.corners()
-    assert len(corners) == 27
-    assert corners[0].numbers == TOLD
+    assert len(corners) == 28
+    assert corners[0].numbers == corners[-1].numbers == TOLD
+    assert [member.noisy for member in corners] == [False] * 27 + [True]
     assert corners[0].name == ""
     assert {m.numbers["force"] for m in corners} == {6.0, 10.0, 16.0}
     assert min(m.numbers["late"] for m in corners) == 0.0, "no dead time is negative"
@@ -129,8 +130,9 @@ def test_what_was_measured_varies_less_and_nothing_else():
 
 def test_the_first_corners_have_every_pair_of_extremes_once():
     ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
-    corners = [ensemble.corners()[number] for number in ensemble.first()[1:]]
+    *corners, noisy = [ensemble.corners()[number] for number in ensemble.first()[1:]]
     assert len(corners) == 4
+    assert noisy.noisy
     for one, other in combinations(("force", "rate", "late"), 2):
         met = Counter((m.numbers[one], m.numbers[other]) for m in corners)
         assert set(met.values()) == {1}
