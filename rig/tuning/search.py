@@ -10,11 +10,13 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import closing
+from itertools import chain
 from pathlib import Path
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
+from controllers.base import Tunable
 from rig.hal.closed_loop import SENSITIVITY
 from rig.sweeping.best import KEEP_ALL, Best
 from rig.sweeping.code import code_version
@@ -119,45 +121,39 @@ class GainSearch:
             trials_of(self._generations, len(self._bench.tunables)) + LAST_LOOK
         )
         with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
-            judge = _Judge(self._text, self._code, self._folder, journal, pool, progress)
+            judge = _Judge(
+                self._bench.tunables, self._text, self._code, self._folder, journal, pool, progress
+            )
             try:
                 return self._go(judge, progress)
             finally:
                 progress.clear()
 
     def _go(self, judge: "_Judge", progress: SweepProgress) -> FoundGains:
-        tunables, count = self._bench.tunables, len(self._bench.tunables)
         members = self._bench.ensemble.first()
-        here = place_of(tunables, self._bench.settings)
-        looks = [here, *self._robust_places(here), *self._stable_places(count)]
-        costs = judge([gains_at(tunables, place) for place in looks], members)
-        best, least = looks[int(np.argmin(costs))], min(costs)
+        here = place_of(self._bench.tunables, self._bench.settings)
+        looks = [here, *self._robust_places(here), *self._stable_places(len(here))]
+        seen = judge(looks, members)
+        is_lost = seen[0][0] >= LOST
+        least, best = min(seen)
         history = [least]
-        members = self._with_worst(gains_at(tunables, best), members)
-        (seen,) = judge([gains_at(tunables, best)], members)
-        walked = self._walk(judge, best if costs[0] >= LOST else here, members)
-        passed = sorted([(seen, best), *walked])
+        members = self._with_worst(best, members)
+        walked = self._walk(judge, best if is_lost else here, members)
+        passed = sorted([*judge([best], members), *walked])
+        finalists = passed[:_WALKED]
         least, best = passed[0]
         progress.say(f"cost {least:.3f} on {len(members)} plants, one gain after the other")
-        finalists = [gains_at(tunables, place) for _, place in passed[:_WALKED]]
         for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):
             if history[1:]:
-                members = self._with_worst(gains_at(tunables, best), members)
-                (least,) = judge([gains_at(tunables, best)], members)  # more, on more plants
-            tried: list[tuple[float, Place]] = []
-            strategy = self._strategy(best, step)
-            for _ in range(part):
-                places = strategy.ask()
-                costs = judge([gains_at(tunables, place) for place in places], members)
-                strategy.tell(places, costs)
-                tried += zip(costs, map(list, places), strict=True)
-                if min(costs) < least:
-                    best, least = list(places[int(np.argmin(costs))]), min(costs)
+                members = self._with_worst(best, members)
+                ((least, best),) = judge([best], members)  # more, on more plants
+            tried = self._adapt(judge, members, best, step, part)
+            for generation in tried:
+                least, best = min((least, best), *generation)
                 history.append(least)
             progress.say(f"cost {least:.3f} on {len(members)} plants")
-            few = sorted(tried, key=lambda pair: pair[0])[:wanted]
-            finalists += [gains_at(tunables, place) for _, place in few]
-        return self._last_look(judge, finalists, history, progress)
+            finalists += sorted(chain.from_iterable(tried))[:wanted]
+        return self._last_look(judge, [place for _, place in finalists], history, progress)
 
     def _walk(
         self, judge: "_Judge", place: Place, members: tuple[int, ...]
@@ -173,23 +169,31 @@ class GainSearch:
         members : tuple of int
             Corners of the ensemble that candidates are judged on.
         """
-
-        def with_costs(places: Sequence[Place]) -> list[tuple[float, Place]]:
-            gains = [gains_at(self._bench.tunables, one) for one in places]
-            return [*zip(judge(gains, members), places, strict=True)]
-
-        passed = with_costs([place])
+        passed = judge([place], members)
         for step in STEPS:
             least, here = passed[0]
-            alone = with_costs(one_by_one(here, step))
-            both = with_costs(together(here, least, alone))
-            passed = sorted([*passed, *alone, *both], key=lambda pair: pair[0])
+            alone = judge(one_by_one(here, step), members)
+            both = judge(together(here, least, alone), members)
+            passed = sorted([*passed, *alone, *both])
         return passed
+
+    def _adapt(
+        self, judge: "_Judge", members: tuple[int, ...], place: Place, step: float, count: int
+    ) -> list[list[tuple[float, Place]]]:
+        """Return generations of CMA-ES from a place, each its places with their costs."""
+        strategy = self._strategy(place, step)
+        generations = []
+        for _ in range(count):
+            asked = strategy.ask()
+            tried = judge([[float(share) for share in one] for one in asked], members)
+            strategy.tell(asked, [cost for cost, _ in tried])
+            generations.append(tried)
+        return generations
 
     def _last_look(
         self,
         judge: "_Judge",
-        finalists: Sequence[dict[str, float]],
+        finalists: Sequence[Place],
         history: Sequence[float],
         progress: SweepProgress,
     ) -> FoundGains:
@@ -199,11 +203,10 @@ class GainSearch:
         generations there were: gains of an earlier part may then be the better ones.
         """
         members = tuple(range(len(self._bench.ensemble.corners())))
-        different = [g for k, g in enumerate(finalists) if g not in finalists[:k]]
-        costs = judge(different, members)
-        least = int(np.argmin(costs))
-        progress.say(f"cost {costs[least]:.3f} on all {len(members)} plants")
-        return FoundGains(different[least], tuple(history), members)
+        different = [place for k, place in enumerate(finalists) if place not in finalists[:k]]
+        least, best = min(judge(different, members))
+        progress.say(f"cost {least:.3f} on all {len(members)} plants")
+        return FoundGains(gains_at(self._bench.tunables, best), tuple(history), members)
 
     def _stable_places(self, count: int) -> list[list[float]]:
         """Return places anywhere, those first whose loops are farthest from instability.
@@ -260,9 +263,10 @@ class GainSearch:
         )
         return strategy
 
-    def _with_worst(self, gains: Mapping[str, float], members: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the members, and besides the corners that these gains bear least."""
+    def _with_worst(self, place: Place, members: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the members, and besides the corners that the gains of a place bear least."""
         bench, corners = self._bench, self._bench.ensemble.corners()
+        gains = gains_at(bench.tunables, place)
         nominal = bench.trial(gains, corners[0], coarse=True)
         costs = {}
         for number, corner in enumerate(corners):
@@ -285,21 +289,21 @@ class _Judge:
     """Has candidates judged by workers, the same ones never twice."""
 
     def __init__(
-        self, text: str, code: str, folder: Path, journal: Journal, pool: Pool,
-        progress: SweepProgress,
+        self, tunables: Sequence[Tunable], text: str, code: str, folder: Path, journal: Journal,
+        pool: Pool, progress: SweepProgress,
     ) -> None:  # fmt: skip
-        self._text, self._code, self._folder = text, code, folder
+        self._tunables, self._text, self._code, self._folder = tunables, text, code, folder
         self._journal, self._pool, self._progress = journal, pool, progress
 
     def __call__(
-        self, candidates: Sequence[Mapping[str, float]], members: tuple[int, ...]
-    ) -> list[float]:
-        """Return what candidates cost on some corners of the ensemble."""
-        jobs = [self._job(gains, members) for gains in candidates]
+        self, places: Sequence[Place], members: tuple[int, ...]
+    ) -> list[tuple[float, Place]]:
+        """Return places with what their gains cost on some corners of the ensemble."""
+        jobs = [self._job(gains_at(self._tunables, place), members) for place in places]
         best = Best(None, KEEP_ALL, self._folder)
         coordinator = Coordinator(self._journal, self._pool, self._progress, Limits(), best)
         coordinator.run(iter(jobs))
-        return [self._cost(job.name) for job in jobs]
+        return [(self._cost(job.name), place) for job, place in zip(jobs, places, strict=True)]
 
     def _job(self, gains: Mapping[str, float], members: tuple[int, ...]) -> PointJob:
         text = json.dumps([self._text, gains, members, self._code])

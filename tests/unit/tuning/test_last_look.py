@@ -8,7 +8,7 @@ from controllers.base import Tunable
 from rig.hal.bench import Trial
 from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.candidate import cost_of
-from rig.tuning.gains import place_of
+from rig.tuning.gains import gains_at, place_of
 from rig.tuning.score import LOST, UNSTABLE
 from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch, trials_of
 from rig.tuning.workbench import Request
@@ -50,9 +50,10 @@ def searched(bench, folder):
     search = GainSearch(bench, REQUEST, folder, 1, 6)
     had = []
 
-    def judge(candidates, members):
-        had.extend(len(members) for _ in candidates)
-        return [cost_of(bench, gains, members) for gains in candidates]
+    def judge(places, members):
+        had.extend(len(members) for _ in places)
+        gains = [gains_at(bench.tunables, place) for place in places]
+        return [*zip([cost_of(bench, one, members) for one in gains], places, strict=True)]
 
     found = search._go(judge, SimpleNamespace(say=lambda _: None))
     return found, had
