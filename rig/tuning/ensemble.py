@@ -10,9 +10,10 @@ from rig.hal.bench import Unknown
 
 _OTHER = 500
 """Seeds of other units, beyond those of the corners."""
-NOISIER = 5.0
-"""Times the noise of a plant's encoders that one of the corners has: nobody measures it, and with
-gains that were tried at 1 um alone setpoints turned round 320 times a second at 5 um. E"""
+NOISIER = 2.0
+"""Times the noise of a plant's encoders that one of the corners has: nobody measures it. With gains
+that were tried without it setpoints turned round 320 times a second at 5 um instead of 1 um; with
+five times the noise among the corners, gains err nearly twice as much. E"""
 
 Numbers = dict[str, float]
 """A mechanism's model by the names of its numbers, SI."""
