@@ -29,7 +29,7 @@ def draw_tuning(
         search, errors, margins = figure.subplots(1, 3, width_ratios=(1.0, 1.5, 1.0))
         search.plot(range(len(costs)), costs, color=BLUE)
         search.xaxis.get_major_locator().set_params(integer=True)
-        search.set_xlabel("generation; after the first look (0)\na walk of one gain at a time")
+        search.set_xlabel("generation; a walk after the look of 0,\nmore plants in each part")
         search.set_ylabel("least cost")
         _draw_errors(errors, now, before)
         _draw_margins(margins, now, before)
