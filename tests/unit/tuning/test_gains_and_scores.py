@@ -178,6 +178,18 @@ def test_a_margin_that_is_missed_costs_by_its_ratio_and_one_that_is_kept_nothing
     assert at[2.4] - at[2.0] == pytest.approx(20.0 * math.log(1.2))
 
 
+@pytest.mark.parametrize("share", [0.9, 0.7, 0.6])
+def test_a_third_less_error_buys_no_gains_that_are_beyond_the_margin(share):
+    """Drawn plants scatter about the few that were shaken: most of them would be beyond it."""
+    kept = score([trial()] * 8, [STABLE._replace(sensitivity=1.69)]).cost
+    assert kept < score([trial(share * 1e-3)] * 8, [STABLE._replace(sensitivity=1.75)]).cost
+
+
+def test_one_plant_of_thirty_that_hunts_is_not_hidden_by_the_others():
+    quiet, bolder = [trial()] * 30, [trial(0.7e-3)] * 29
+    assert score(quiet, [STABLE]).cost < score([*bolder, trial(0.7e-3, 1.5e-3)], [STABLE]).cost
+
+
 def test_gains_that_lose_a_plant_or_are_not_stable_are_behind_all_others():
     bad = score([trial(1.0, 1.0, 500.0)], [STABLE._replace(sensitivity=9.0)]).cost
     assert bad < LOST <= score([trial(), trial(lasted=0.5)], [STABLE]).cost < UNSTABLE
