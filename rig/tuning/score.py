@@ -27,10 +27,12 @@ _PER_SENSITIVITY: Final = 20.0
 """Weight of the logarithm of the greatest sensitivity over its bound: a hundredth of it is as dear
 as a tenth of all errors. Where no gains keep it, not all errors are given for it.
 """
-_BEYOND: Final = 1.0
-"""Cost of any sensitivity above its bound: without it errors that are a third less would buy gains
-of which two plants in three have too little margin.
+_BEYOND: Final = 3.0
+"""Cost of a sensitivity that is beyond its bound by as much as drawn plants scatter: without it
+errors that are a third less would buy gains of which two plants in three have too little margin.
 """
+_SCATTER: Final = 0.05
+"""Of the greatest sensitivity on drawn plants, as a share: it costs so much in proportion."""
 NEAREST: Final = 9.0
 """More sensitivity than this costs no more."""
 _PER_REVERSAL: Final = 1.0 / REVERSALS
@@ -66,8 +68,8 @@ def score(trials: Sequence[Trial], margins: Sequence[ClosedLoop]) -> Score:
     over = [max(0.0, trial.reversals - REVERSALS) * _PER_REVERSAL for trial in trials]
     hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / QUIET)) for trial in trials]
     near = max((min(margin.sensitivity, NEAREST) for margin in margins), default=SENSITIVITY)
-    beyond = math.log(near / SENSITIVITY)
-    nearness = _BEYOND + _PER_SENSITIVITY * beyond if beyond > 0.0 else 0.0
+    beyond = max(0.0, math.log(near / SENSITIVITY))
+    nearness = _BEYOND * min(1.0, beyond / _SCATTER) + _PER_SENSITIVITY * beyond
     strays = [max(0.0, trial.strayed - STRAYED) for trial in trials]
     overstepped = (sum(over) + sum(hunts)) / len(trials) + sum(strays)
     worst_of_all = max(over) + _WORST * max(hunts) + max(strays)
