@@ -7,7 +7,7 @@ from pathlib import Path
 from rig.sweeping.finding import MetricCell, PointFinding, one_line
 from rig.sweeping.point import PointJob
 from rig.sweeping.source import PointSource
-from rig.tuning.score import LOST, NEAREST, REFUSED, UNSTABLE, score
+from rig.tuning.score import LOST, NEAREST, REFUSED, STOPPED, UNSTABLE, score
 from rig.tuning.workbench import Workbench, workbench_of
 
 PERFORM = "rig.tuning.candidate:perform"
@@ -61,10 +61,10 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
     """Return what gains cost on some corners of the ensemble.
 
     No time is spent on those that are not stable, or that hardware is refused with on the plant as
-    told, nor on more plants than one that is lost. Where
-    all corners are asked for, it has to be all: gains that the program would be stopped with on
-    any of them are lost as well. Margins are measured, where a loop can be, on those plants whose
-    loops are nearest to instability as a linear model says.
+    told, nor on more plants than one that is lost. Where all corners are asked for, each that the
+    program would be stopped on costs `STOPPED`: nobody has calibrated those, so a stop is no
+    hazard, and no margin is given for it. Margins are measured, where a loop can be, on those
+    plants whose loops are nearest to instability as a linear model says.
     """
     near = bench.ensemble.near()
     margins = bench.margins(gains, near)
@@ -86,4 +86,4 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
     measured = bench.measured(gains, shaken)
     if measured is not None:
         measured = [loop._replace(sensitivity=_OF_MORE * loop.sensitivity) for loop in measured]
-    return score(trials, measured or margins).cost + (LOST + stopped if stopped else 0.0)
+    return score(trials, measured or margins).cost + STOPPED * stopped

@@ -17,6 +17,8 @@ _FINEST: Final = 1e-6
 """Errors below this are none, SI."""
 LOST: Final = 1000.0
 """Cost of gains that lose a plant, and more the earlier they do."""
+STOPPED: Final = 1.0
+"""Cost of each plant that the program would be stopped on."""
 REFUSED: Final = 1500.0
 """Cost of gains that hardware is refused with, and more the nearer they are to instability."""
 UNSTABLE: Final = 2000.0

@@ -45,8 +45,8 @@ _SHORTLIST: Final = (2, 2, 4)
 """So many candidates, the best of each part of the search, have the whole ensemble in the end."""
 _WALKED: Final = 2
 """So many of the walk, or of what was seen before it, have it, too."""
-LAST_LOOK: Final = _WALKED + sum(_SHORTLIST)
-"""At most: some are the best of two parts."""
+LAST_LOOK: Final = 1 + _WALKED + sum(_SHORTLIST)
+"""At most, those in force among them: some are the best of two parts."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
 _BESIDE: Final = GENERATION
@@ -140,7 +140,7 @@ class GainSearch:
         members = self._with_worst(best, members)
         walked = self._walk(judge, best if is_lost else here, members)
         passed = sorted([*judge([best], members), *walked])
-        finalists = passed[:_WALKED]
+        finalists = [(seen[0][0], here), *passed[:_WALKED]]
         least, best = passed[0]
         progress.say(f"cost {least:.3f} on {len(members)} plants, one gain after the other")
         for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):

@@ -9,7 +9,7 @@ from rig.hal.bench import Trial
 from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.tuning.candidate import cost_of
 from rig.tuning.gains import gains_at, place_of
-from rig.tuning.score import LOST, UNSTABLE
+from rig.tuning.score import LOST, STOPPED, UNSTABLE
 from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, GainSearch, trials_of
 from rig.tuning.workbench import Request
 
@@ -95,13 +95,21 @@ def test_a_search_begins_beside_the_gains_in_force_where_every_plant_has_margin(
     assert max(abs(x - y) for place in places for x, y in zip(place, here, strict=True)) < 0.3
 
 
-def test_only_where_all_plants_are_asked_for_one_that_stops_is_lost():
+def test_only_where_all_plants_are_asked_for_each_costs_that_stops():
     bench = Bench()
     bench.bears = 5.0
-    gains = {"a": 6.0, "b": 1.0}
-    assert cost_of(bench, gains, (0, PLANTS - 1)) < 0.5 * LOST
-    assert cost_of(bench, gains, range(PLANTS)) > 0.5 * LOST
-    assert cost_of(bench, {"a": 4.0, "b": 1.0}, range(PLANTS)) < 0.5 * LOST
+    few, everywhere = (0, PLANTS - 1), range(PLANTS)
+    stopped, going = {"a": 6.0, "b": 1.0}, {"a": 4.0, "b": 1.0}
+    assert cost_of(bench, stopped, few) - cost_of(bench, going, few) < STOPPED
+    assert STOPPED < cost_of(bench, stopped, everywhere) - cost_of(bench, going, everywhere) < 3.0
+
+
+def test_a_margin_is_not_given_for_a_plant_that_stops():
+    bench = Bench()
+    bench.bears = 5.0
+    kept = cost_of(bench, {"a": 6.0, "b": 1.0}, range(PLANTS))
+    bench.margins = lambda gains, members: [STABLE._replace(sensitivity=1.9) for _ in members]
+    assert kept < cost_of(bench, {"a": 4.0, "b": 1.0}, range(PLANTS))
 
 
 def test_margins_that_are_measured_have_the_word_and_on_the_plants_nearest_to_instability():
@@ -124,8 +132,9 @@ def test_margins_that_are_measured_have_the_word_and_on_the_plants_nearest_to_in
 
 def test_gains_that_hardware_would_be_refused_with_are_behind_those_that_lose_a_plant():
     bench = Bench()
-    bench.bears = 5.0
     gains = {"a": 6.0, "b": 1.0}
+    trial = bench.trial
+    bench.trial = lambda *args, **how: trial(*args, **how)._replace(lasted=0.5)
     lost = cost_of(bench, gains, range(PLANTS))
     bench.margins = lambda gains, members: [STABLE._replace(sensitivity=2.1) for _ in members]
-    assert lost < cost_of(bench, gains, (0, 1)) < UNSTABLE
+    assert LOST < lost < cost_of(bench, gains, (0, 1)) < UNSTABLE
