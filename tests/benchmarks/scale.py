@@ -20,11 +20,16 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
-import tempfile
 import time
+from contextlib import closing
 from pathlib import Path
+
+import endings
+from endings import Unmeasured, called, folder_for_a_while, last_line
+
+if __name__ == "__main__":
+    endings.take_over()
 
 import numpy as np
 
@@ -72,6 +77,7 @@ WORKERS = (1, 2, 4, 8, 16)
 WAITING = 32
 """Points of a second each, for which they wait: what is shared out is not this machine's work."""
 ROUNDS = 3
+FIGURES = (".png", ".svg", ".pdf")
 ONE = """
 import resource, sys, time
 import rig.export, rig.report.regenerate
@@ -80,8 +86,6 @@ began = time.process_time()
 spent = time.process_time() - began
 print(spent + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]))
 """
-OFTEN = 0.005
-"""So often memory is looked at, s."""
 WORKS = {
     "csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[2])",
     "npz": "rig.export.export_run(sys.argv[1], 'npz', sys.argv[2])",
@@ -111,14 +115,13 @@ def memory_of(pid):
     return found
 
 
-def most_memory(words):
-    """Run a command; return what it says, what it complains of, and its greatest memory, MB."""
-    most = 0.0
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as done:
-        while done.poll() is None:
-            most = max([most, *memory_of(done.pid)])
-            time.sleep(OFTEN)
-        return *done.communicate(), most
+def time_and_memory(*words):
+    """Return the time that a program in Python prints, s, and its greatest memory, MB."""
+    seen = []
+    done = called(sys.executable, *words, look=lambda pid: seen.extend(memory_of(pid)))
+    if done.returncode:
+        raise Unmeasured(last_line(done))
+    return float(done.stdout), max(seen)
 
 
 def cycle_costs(folder):
@@ -195,31 +198,30 @@ def length_costs(folder, works, lengths, out=None):
     for minutes in lengths:
         long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
         for name, work in works.items():
-            words = [sys.executable, "-c", ONE.format(work=work), str(long), out or f"{long}/out"]
-            said, complaint, most = most_memory(words)
-            if said:
-                found[name].append((float(said), most))
-            else:
-                say(f"{name}, {minutes} min: {complaint.strip().splitlines()[-1]}")
-                found[name].append((np.nan, np.nan))
+            words = "-c", ONE.format(work=work), str(long), out or f"{long}/out"
+            found[name].append(time_and_memory(*words))
             say(f"{name}, {minutes} min: {found[name][-1][0]:.1f} s, {found[name][-1][1]:.0f} MB")
             (long / "out").unlink(missing_ok=True)
         shutil.rmtree(long)
     return found
 
 
+def numbers_of(*words):
+    """Return the two numbers that a program in Python prints last."""
+    done = called(sys.executable, *words)
+    if done.returncode:
+        raise Unmeasured(last_line(done))
+    spent, most = map(float, done.stdout.split()[-2:])
+    return spent, most
+
+
 def point_costs(folder):
     """Return processor time of a sweep (s) and memory (MB), by its points."""
     found = []
     for count in POINTS:
-        words = [
-            sys.executable,
-            test_sweep_cost.__file__,
-            str(folder / f"points-{count}"),
-            str(count),
-        ]
-        done = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
-        found.append((float(done[-2]), float(done[-1]) / 1024))
+        words = test_sweep_cost.__file__, str(folder / f"points-{count}"), str(count)
+        spent, most = numbers_of(*words)
+        found.append((spent, most / 1024))
     return found
 
 
@@ -227,10 +229,9 @@ def worker_costs(folder):
     """Return how many points of a second a sweep goes through in one, by its workers."""
     found = []
     for count in WORKERS:
-        engine = Pool(count, WorkerSetup("test_sweep_cost:perform_waiting"))
-        test_sweep_cost.sweep_through(engine, folder / f"warm-{count}", 2 * count)
-        spent = test_sweep_cost.sweep_through(engine, folder / f"workers-{count}", WAITING)
-        engine.close()
+        with closing(Pool(count, WorkerSetup("test_sweep_cost:perform_waiting"))) as engine:
+            test_sweep_cost.sweep_through(engine, folder / f"warm-{count}", 2 * count)
+            spent = test_sweep_cost.sweep_through(engine, folder / f"workers-{count}", WAITING)
         found.append(WAITING / spent)
     return found
 
@@ -290,10 +291,39 @@ def tell_lengths(minutes, lengths):
         say(f"{name}, by minutes: {row}; slope {grows:.2f}")
 
 
+def figure_file(text):
+    """Return where to draw to, if that can be done: hours of measuring come first."""
+    path = Path(text)
+    if not os.access(path.parent, os.W_OK) or path.is_dir():
+        raise argparse.ArgumentTypeError(f"{text} cannot be written")
+    if path.suffix not in FIGURES:
+        raise argparse.ArgumentTypeError(f"{text} ends in none of {', '.join(FIGURES)}")
+    return path
+
+
+def measure_all(folder, asked):
+    """Measure what is asked for, say it, and draw it."""
+    if asked.only is not None:
+        works = {name: WORKS[name] for name in asked.only}
+        out = os.devnull if asked.discard else None
+        tell_lengths(asked.minutes, length_costs(folder, works, asked.minutes, out))
+        return
+    cycles, logs = cycle_costs(folder), log_costs(folder)
+    for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
+        row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
+        say(f"{what}: {row}; slope {slope(x, y):.2f}")
+    points, workers = point_costs(folder), worker_costs(folder)
+    tell_sweeps(points, workers)
+    lengths = length_costs(folder, WORKS, asked.minutes)
+    tell_lengths(asked.minutes, lengths)
+    if asked.figure is not None:
+        draw(asked.figure, cycles, logs, asked.minutes, lengths, points, workers)
+
+
 def main():
     """Measure, and say it."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--figure", type=Path, help="where the curves are drawn")
+    parser.add_argument("--figure", type=figure_file, help="where the curves are drawn")
     parser.add_argument(
         "--only", choices=WORKS, nargs="+", help="these alone, over the length of a run"
     )
@@ -305,26 +335,16 @@ def main():
     parser.add_argument("--folder", help="where the logs are written meanwhile")
     asked = parser.parse_args()
     began = time.monotonic()
-    with tempfile.TemporaryDirectory(dir=asked.folder) as name:
-        folder = Path(name)
-        if asked.only is not None:
-            works = {name: WORKS[name] for name in asked.only}
-            out = os.devnull if asked.discard else None
-            costs = length_costs(folder, works, asked.minutes, out)
-            tell_lengths(asked.minutes, costs)
-            return
-        cycles, logs = cycle_costs(folder), log_costs(folder)
-        for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
-            row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
-            say(f"{what}: {row}; slope {slope(x, y):.2f}")
-        points, workers = point_costs(folder), worker_costs(folder)
-        tell_sweeps(points, workers)
-        lengths = length_costs(folder, WORKS, asked.minutes)
-    tell_lengths(asked.minutes, lengths)
-    if asked.figure is not None:
-        draw(asked.figure, cycles, logs, asked.minutes, lengths, points, workers)
+    try:
+        with folder_for_a_while("scale-", asked.folder) as folder:
+            measure_all(folder, asked)
+    except rig.RunInterrupted:
+        raise
+    except rig.RigError as error:
+        raise Unmeasured(str(error)) from error
     say(f"it took {time.monotonic() - began:.0f} s")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    endings.end(main())

@@ -6,19 +6,25 @@ Each commit is checked out into a folder of its own, with caches of its own. A r
 command once on either, in turn, and the next round begins with the other; so whatever else the
 machine does falls on both. What is compared is processor time of the process and its children: the
 median of the rounds' ratios, and the interval that holds it in 95 of 100 resamplings of the rounds.
-It ends with 1 if a command surely got slower by a tenth, or fails at the later commit alone.
+It ends with 1 if a command surely got slower by a tenth, or fails at the later commit alone, and
+with 2 if any command was not measured: it fails at the earlier commit, or at both.
 """
 
 import argparse
 import os
 import resource
-import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+import endings
+from endings import UNMEASURED, Unmeasured, called, folder_for_a_while, last_line, talk, unheard
+
+if __name__ == "__main__":
+    endings.take_over()
 
 import numpy as np
 from scipy.stats import bootstrap
@@ -40,41 +46,26 @@ COMMANDS = (
     "run legs-walk --on virtual --no-report --out OUT",
 )
 RESAMPLINGS = 2000
-
-
 SLOWER = 1.1
 """A command surely got slower whose ratio is above it with all of its interval."""
 
 
-class Unmeasured(Exception):
-    """Says in a sentence why nothing can be measured."""
-
-
-def main(words: list[str] | None = None) -> int:
-    """Measure, and print a table in Markdown; 1 if a command surely got slower, or fails now."""
+def main() -> int:
+    """Measure, print a table in Markdown, and return what the program ends with."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("before")
     parser.add_argument("after")
     parser.add_argument("--rounds", type=several, default=8, help="2 or more")
     parser.add_argument("--only", default="", help="commands that contain this text")
-    asked = parser.parse_args(words)
+    asked = parser.parse_args()
     commands = [command for command in COMMANDS if asked.only in command]
     if not commands:
         there = "".join(f"\n  {command}" for command in COMMANDS)
         parser.error(f"no command contains {asked.only!r}; there are:{there}")
-    for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C: what was checked out goes
-        signal.signal(number, signal.default_int_handler)
-    try:
-        check_commits(asked.before, asked.after)
-        with ExitStack() as stack:
-            folders = [stack.enter_context(checked_out(at)) for at in (asked.before, asked.after)]
-            costs = measure(folders, commands, asked.rounds)
-    except Unmeasured as why:
-        sys.stderr.write(f"{why}\n")
-        return 2
-    except KeyboardInterrupt:
-        sys.stderr.write("Interrupted.\n")
-        return 130
+    check_commits(asked.before, asked.after)
+    with ExitStack() as stack:
+        folders = [stack.enter_context(checked_out(at)) for at in (asked.before, asked.after)]
+        costs = measure(folders, commands, asked.rounds)
     return tell(asked.before, asked.after, costs)
 
 
@@ -103,46 +94,56 @@ def check_commits(*commits: str) -> None:
             raise Unmeasured(f"there is no commit {commit} in this clone; git log shows them")
     changed = git("status", "--porcelain", "--untracked-files=no").stdout.splitlines()
     if changed:
-        sys.stderr.write(f"left out: what is not committed here, of {len(changed)} tracked files\n")
+        talk(f"left out: what is not committed here, of {len(changed)} tracked files")
 
 
 def git(*words: str | Path) -> subprocess.CompletedProcess[str]:
     """Call git and return what it says."""
-    return subprocess.run(["git", *words], capture_output=True, text=True, check=False)
+    return called("git", *words)
 
 
 def tell(before: str, after: str, costs: Mapping[str, tuple[np.ndarray | None, ...]]) -> int:
-    """Print the table; return 1 if a command surely got slower, or fails that did not."""
+    """Print the table; return 1 if a command surely got slower or broke, 2 if one has no ratio."""
     write = sys.stdout.write
     write(f"| `rig …` | {before}, s | {after}, s | ratio | 95 % |\n|---|---|---|---|---|\n")
-    broken, is_slower = [], False
+    notes, is_worse, is_unmeasured = [], False, False
     for command, (then, now) in costs.items():
         row = f"| `{command.replace(' --out OUT', '')}` | {told(then)} | {told(now)} |"
         if then is None or now is None:
             write(f"{row} | |\n")
-            broken += [command] if then is not None else []
+            notes.append(f"\n`rig {command}` {what_fails(before, after, then, now)}.\n")
+            is_worse |= then is not None
+            is_unmeasured |= then is None
             continue
         ratios = now / then
         low, high = interval_of(ratios)
-        is_slower |= low > SLOWER
+        is_worse |= low > SLOWER
         write(f"{row} {np.median(ratios):.2f} | {low:.2f} to {high:.2f} |\n")
-    for command in broken:
-        write(f"\n`rig {command}` fails at {after}, and did not at {before}.\n")
-    return int(is_slower or bool(broken))
+    write("".join(notes))
+    return 1 if is_worse else UNMEASURED if is_unmeasured else 0
+
+
+def what_fails(before: str, after: str, then: np.ndarray | None, now: np.ndarray | None) -> str:
+    """Say where a command fails, and what follows."""
+    if then is not None:
+        return f"fails at {after}, and did not at {before}"
+    where = f"{before}, and not at {after}" if now is not None else f"{before} and at {after}"
+    return f"fails at {where}: whether it got slower was not measured"
 
 
 @contextmanager
 def checked_out(commit: str) -> Iterator[Path]:
     """Yield a folder with this commit's files, and take it away again."""
-    with tempfile.TemporaryDirectory(prefix="two-commits-") as parent:
-        folder = Path(parent) / "tree"
+    with folder_for_a_while("two-commits-") as parent:
+        folder = parent / "tree"
         try:
             added = git("worktree", "add", "-q", "--detach", folder, commit)
             if added.returncode:
                 raise Unmeasured(f"cannot check out {commit}: {added.stderr.strip()}")
             yield folder
         finally:
-            git("worktree", "remove", "--force", folder)
+            with unheard():  # twice: one that was not checked out to its end is locked
+                git("worktree", "remove", "--force", "--force", folder)
 
 
 def measure(
@@ -164,7 +165,7 @@ def measure(
         costs[command] = tuple(
             np.array(values) if ran else None for values, ran in zip(kept, runs, strict=True)
         )
-        sys.stderr.write(f"{command} …\n")
+        talk(f"{command} …")
     return costs
 
 
@@ -177,18 +178,13 @@ def cost_of(folder: Path, command: str) -> float | None:
         "NUMBA_CACHE_DIR": str(folder.parent / "cache" / "numba"),
     }
     environment.pop("PYTHONDONTWRITEBYTECODE", None)  # a user's Python keeps what it compiled
-    with tempfile.TemporaryDirectory() as out:
+    with tempfile.TemporaryDirectory(dir=folder.parent) as out:
         arguments = command.replace("OUT", out).split()
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        ended = subprocess.run(
-            [sys.executable, "-m", "rig", *arguments],
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            check=False,
-        )
+        ended = called(sys.executable, "-m", "rig", *arguments, cwd=folder, env=environment)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if ended.returncode:
+        talk(f"rig {command} fails: {last_line(ended)}")
         return None
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -206,4 +202,4 @@ def told(costs: np.ndarray | None) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    endings.end(main())

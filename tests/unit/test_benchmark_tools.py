@@ -2,6 +2,7 @@
 
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -66,10 +67,11 @@ def words_of(*more):
     return [sys.executable, str(BENCHMARKS / "two_commits.py"), *more]
 
 
-def compared(folder, *more, environment=None):
+def compared(folder, *more, environment=None, stdout=subprocess.PIPE):
     return subprocess.run(
-        words_of(*more), cwd=folder, capture_output=True, text=True, check=False, env=environment
-    )
+        words_of(*more), cwd=folder, stdout=stdout, stderr=subprocess.PIPE, text=True, check=False,
+        env=environment,
+    )  # fmt: skip
 
 
 def left(folder):
@@ -84,15 +86,15 @@ def test_what_fails_at_the_later_commit_alone_is_a_regression(seed, repository):
     call = drawn.randint(1, 3)  # of three: the first one warms up
     commit(repository, "well")
     commit(repository, "broken", bad={"list": call})
-    for before, after, code in (
-        ("well", "broken", 1),
-        ("broken", "well", 0),
-        ("broken", "broken", 0),
+    for before, after, code, said in (
+        ("well", "broken", 1, "broken, and did not at well"),
+        ("broken", "well", 2, "broken, and not at well: whether"),
+        ("broken", "broken", 2, "broken and at broken: whether"),
     ):
         ended = compared(repository, before, after, "--rounds", "2", "--only", "list runs")
         assert ended.returncode == code, ended.stdout + ended.stderr
-        assert ended.stdout.count("fails") == (2 if before == after or code else 1)
-        assert (f"`rig list runs --out OUT` fails at {after}" in ended.stdout) == bool(code)
+        assert f"\n`rig list runs --out OUT` fails at {said}" in ended.stdout
+        assert "rig list runs --out OUT fails: exit code 1\n" in ended.stderr
         assert left(repository) == []
 
 
@@ -101,7 +103,9 @@ def test_what_got_slower_is_told_from_what_did_not():
     then = drawn.uniform(1.0, 1.1, 12)
     assert two_commits.tell("a", "b", {"list": (then, then * drawn.uniform(1.2, 1.3, 12))}) == 1
     assert two_commits.tell("a", "b", {"list": (then, then * drawn.uniform(0.9, 1.1, 12))}) == 0
-    assert two_commits.tell("a", "b", {"list": (None, then), "check": (None, None)}) == 0
+    assert two_commits.tell("a", "b", {"list": (None, then), "check": (then, then)}) == 2
+    assert two_commits.tell("a", "b", {"list": (None, None), "check": (then, then)}) == 2
+    assert two_commits.tell("a", "b", {"list": (None, None), "check": (then, 2.0 * then)}) == 1
     assert two_commits.tell("a", "b", {"list": (then, None)}) == 1
 
 
@@ -142,17 +146,105 @@ def test_what_is_not_committed_is_said_to_be_left_out(repository):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_who_ends_it_leaves_nothing_checked_out(number, repository):
     commit(repository, "slow", sleeps=True)
+    words = words_of("slow", "slow", "--only", "list runs")
+    assert interrupted(words, repository, number, (repository / "sleeps").exists) == INTERRUPTED
+    assert left(repository) == []
+
+
+INTERRUPTED = (130, "Interrupted.\n")
+
+
+def interrupted(words, folder, number, is_there, environment=None):
+    """Start a program, send it a signal once it is there; return how it ended, and what it said."""
     process = subprocess.Popen(
-        words_of("slow", "slow", "--only", "list runs"),
-        cwd=repository, stderr=subprocess.PIPE, text=True,
+        words, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        env=environment,
     )  # fmt: skip
     until = time.monotonic() + 20.0
-    while not (repository / "sleeps").exists() and time.monotonic() < until:
+    while not is_there() and time.monotonic() < until:
         time.sleep(0.02)
     process.send_signal(number)
-    _, said = process.communicate()
-    assert (process.returncode, said) == (130, "Interrupted.\n")
+    _, said = process.communicate(timeout=30.0)
+    return process.returncode, said
+
+
+HOOK = """#!/bin/sh
+touch {sleeps}
+while true; do echo x > more-$(date +%N); done
+"""
+"""Goes on writing into what is checked out."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_who_ends_it_while_it_checks_out_leaves_nothing(number, repository):
+    commit(repository, "well")
+    hook, sleeps = repository / ".git" / "hooks" / "post-checkout", repository / "sleeps"
+    hook.write_text(HOOK.format(sleeps=sleeps))
+    hook.chmod(0o755)
+    assert interrupted(words_of("well", "well"), repository, number, sleeps.exists) == INTERRUPTED
+    time.sleep(0.2)
     assert left(repository) == []
+
+
+@pytest.mark.parametrize("program", ["two_commits.py", "scale.py"])
+def test_ctrl_c_is_told_while_it_imports(program, tmp_path):
+    slow = f"import pathlib, time; pathlib.Path({str(tmp_path / 'here')!r}).touch(); time.sleep(99)"
+    (tmp_path / "numpy.py").write_text(slow)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    words, is_there = [sys.executable, str(BENCHMARKS / program)], (tmp_path / "here").exists
+    assert interrupted(words, tmp_path, signal.SIGINT, is_there, environment) == INTERRUPTED
+
+
+def test_a_table_that_cannot_be_written_is_no_success(repository):
+    commit(repository, "well")
+    words = "well", "well", "--rounds", "2", "--only", "list runs"
+    with Path("/dev/full").open("w") as full:
+        ended = compared(repository, *words, stdout=full)
+    assert ended.returncode == 2
+    assert ended.stderr.endswith(": No space left on device\n")
+    assert "Traceback" not in ended.stderr
+
+
+def test_who_does_not_read_the_table_is_told_nothing_of_it(repository):
+    commit(repository, "well")
+    ours, theirs = os.pipe()
+    os.close(ours)
+    words = "well", "well", "--rounds", "2", "--only", "list"
+    ended = compared(repository, *words, stdout=theirs)
+    os.close(theirs)
+    assert ended.returncode in (0, 1, 2)  # 2: Python writes each line at once, if asked to
+    assert ended.stderr == "list …\nlist runs --out OUT …\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_who_ends_a_measurement_of_scale_leaves_nothing(number, tmp_path):
+    words = [sys.executable, str(BENCHMARKS / "scale.py"), "--only", "npz", "--minutes", "1"]
+    words += ["--folder", str(tmp_path)]
+
+    def is_recording():
+        return any(tmp_path.glob("*/runs/*/log.mcap"))
+
+    assert interrupted(words, tmp_path, number, is_recording) == INTERRUPTED
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_without_room_is_a_sentence(tmp_path):
+    words = [sys.executable, str(BENCHMARKS / "scale.py"), "--only", "npz", "--minutes", "1"]
+    ended = subprocess.run(
+        [*words, "--folder", str(tmp_path)], capture_output=True, text=True, check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)),
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1)
+    assert ended.stderr.startswith("cannot write the log ")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("figure", ["/nonexistent/x.png", "x.txt", "/"])
+def test_a_figure_that_cannot_be_drawn_is_refused_at_the_start(figure, tmp_path):
+    words = [sys.executable, str(BENCHMARKS / "scale.py"), "--figure", figure]
+    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert f"argument --figure: {figure} " in ended.stderr
 
 
 @pytest.mark.parametrize("program", ["missed_ticks.py", "scale.py"])
