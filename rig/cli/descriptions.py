@@ -11,7 +11,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypedDict
 
-from rig.hal.files import users_folder
+from rig.hal.errors import ConfigurationError
+from rig.hal.files import read_regular, users_folder
 from rig.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 _MOST: Final = 1000
 """Files whose descriptions are kept."""
+_LONGEST: Final = 10_000_000
+"""Bytes that these may take; a longer store is none of ours."""
 _FRESH: Final = 2_000_000_000
 """A file that was written so few ns ago may be written again within the same tick of its time."""
 
@@ -58,7 +61,6 @@ def _seen(path: Path) -> list[int]:
 
 def _read(path: Path) -> str | None:
     from rig.config.yaml_loader import read_plain  # slow to import
-    from rig.hal import ConfigurationError
 
     try:
         content: Plain = read_plain(path)
@@ -71,8 +73,8 @@ def _read(path: Path) -> str | None:
 def _kept_in(store: Path) -> dict[str, _Kept]:
     """Return what is kept, without whatever is none of it."""
     try:
-        content = json.loads(store.read_bytes())
-    except (OSError, ValueError, RecursionError):
+        content = json.loads(read_regular(store, _LONGEST))
+    except (ConfigurationError, ValueError, RecursionError):
         return {}
     if not isinstance(content, dict):
         return {}

@@ -86,6 +86,22 @@ def test_a_damaged_store_is_none(files, store, damage):
     assert len(json.loads(store.read_bytes())) == 2
 
 
+@pytest.mark.parametrize(
+    "place", [os.mkfifo, lambda path: path.symlink_to("/dev/zero"), lambda path: path.mkdir()]
+)
+def test_what_is_no_file_is_neither_waited_for_nor_read(files, store, place):
+    store.parent.mkdir(parents=True)
+    place(store)
+    assert list(descriptions_of(files).values()) == ["of one", "of two"]
+
+
+def test_one_that_is_longer_than_any_of_ours_is_none(files, store, was_read, monkeypatch):
+    descriptions_of(files)
+    monkeypatch.setattr(descriptions, "_LONGEST", store.stat().st_size - 1)
+    descriptions_of(files)
+    assert was_read == ["one", "two"] * 2
+
+
 def test_where_nothing_can_be_kept_nothing_is(files, tmp_path, store):
     store.parent.parent.write_text("in the way")
     assert list(descriptions_of(files).values()) == ["of one", "of two"]
