@@ -1,5 +1,6 @@
 """What the installation lacks: packages that this program needs, and who cannot do without them."""
 
+from importlib.util import find_spec
 from typing import Final
 
 PACKAGES: Final = {
@@ -30,12 +31,58 @@ PACKAGES: Final = {
 """What pip installs, by the name of what is imported."""
 
 
+BENEATH: Final = {
+    "PIL": "matplotlib",
+    "contourpy": "matplotlib",
+    "cycler": "matplotlib",
+    "dateutil": "matplotlib",
+    "fontTools": "matplotlib",
+    "kiwisolver": "matplotlib",
+    "packaging": "matplotlib",
+    "pyparsing": "matplotlib",
+    "six": "matplotlib",
+    "typing_extensions": "pydantic",
+    "pydantic_core": "pydantic",
+    "typing_inspection": "pydantic",
+    "llvmlite": "numba",
+    "lz4": "mcap",
+    "zstandard": "mcap",
+    "wrapt": "can",
+    "markdown_it": "rich",
+    "mdurl": "rich",
+    "pygments": "rich",
+    "glfw": "mujoco",
+    "websockets": "mujoco",
+    "OpenGL": "mujoco",
+    "tzdata": "filterpy",
+}
+"""What comes with one of these, by the name of what is imported: pip knows which version of it."""
+
+
 def missing_package(error: BaseException) -> str | None:
     """Say which package is not installed, and what installs it; None for any other error.
 
     A package of which only a part is missing is another version, which pip would call installed.
     """
     name = error.name if isinstance(error, ModuleNotFoundError) else None
+    if name in BENEATH:
+        above = BENEATH[name]
+        return f"{name}, which {above} needs, is not installed here: pip install {PACKAGES[above]}"
     if name not in PACKAGES:
         return None
     return f"{name} is not installed here: pip install {PACKAGES[name]}"
+
+
+def need(*names: str) -> None:
+    """Find out whether packages are there, before anything moves for what they are to do.
+
+    None is imported: that would take its time.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        One is not; `missing_package` says so in a sentence.
+    """
+    for name in names:
+        if find_spec(name) is None:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)

@@ -27,6 +27,7 @@ from rig.config import (
 from rig.experiment.plan import Plan
 from rig.experiment.run import Result, run_experiment
 from rig.experiment.watcher import Watcher
+from rig.installation import need
 from rig.run_facts import FIGURES, RunStatus
 
 
@@ -110,6 +111,7 @@ def record(
     folders : list of Path
         All run folders, the new ones last.
     """
+    need("matplotlib", "scipy")  # for what comes of it
     result, folders = None, list(earlier)
     if backend is Backend.HARDWARE:
         uncommissioned = refuse_uncommissioned(profile, uncommissioned)

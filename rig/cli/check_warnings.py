@@ -57,7 +57,24 @@ def warnings_of(profile: Profile, search: Sequence[Path]) -> list[str]:
     elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     strange = [*_strange_units(profile), *_unitless(profile.unitless)]
     plant = plant_remarks(profile)
-    return [*_of_broken_parts(profile), *inherited, *plant, *elsewhere, *strange]
+    lacking = _of_simulation(profile)
+    return [*_of_broken_parts(profile), *inherited, *plant, *elsewhere, *strange, *lacking]
+
+
+def _of_simulation(profile: Profile) -> Iterator[str]:
+    """Say what the plant needs and is not there; hardware runs without."""
+    from rig.assembly.simulated import make_plant
+    from rig.hal import ConfigurationError
+    from rig.installation import missing_package, need
+
+    try:
+        need("mujoco")  # first: to make a plant takes its time
+    except ModuleNotFoundError:
+        try:
+            if profile.plant is not None:
+                make_plant(profile)
+        except (ConfigurationError, ModuleNotFoundError) as error:
+            yield f"it cannot be simulated: {missing_package(error) or error}"
 
 
 def _unitless(said: Sequence[str]) -> Sequence[str]:

@@ -79,8 +79,10 @@ def compare(
     from rig.cli.announce import may_move
     from rig.cli.compared_table import table_lines
     from rig.experiment.plan import load_plan
+    from rig.installation import need
     from rig.report.compare import compare_metrics, draw_comparison
 
+    need("matplotlib")
     options = with_seed(overrides, seed)
     with told_if_long("planning the motion"):
         plan = load_plan(experiment, options, rig=rig_name, configs=configs)

@@ -41,6 +41,7 @@ from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import RigError
 from rig.hal.hindsight import HUNTS, STICKS
+from rig.installation import need
 from rig.report.ready import ReadyReporter
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder
@@ -147,7 +148,11 @@ def run_experiment(
         The run folder cannot be made, or the profile does not run on this backend.
     DeviceError
         On hardware: a calibration does not hold, a fault is latched, or `refuse_unfit` refuses it.
+    ModuleNotFoundError
+        A report is wanted, and what draws it is not installed.
     """
+    if report:
+        need("matplotlib")
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, on, heed_calibrations=heed_calibrations)
     notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)

@@ -79,6 +79,9 @@ def _write_when_asked(asking: Connection, asked: Connection, parent: int) -> Non
     asking.close()  # else its end would never be seen
     from rig.report.figures import import_once
 
-    import_once()
+    try:
+        import_once()
+    except ImportError:  # whoever waits finds that out as well, and says it
+        return
     with contextlib.suppress(EOFError, BrokenPipeError):  # nobody waits for it any more
         asked.send(written(asked.recv()))

@@ -15,6 +15,7 @@ from rig.config.names import is_path
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
+from rig.installation import need
 from rig.sweeping.axis import Axis
 from rig.sweeping.best import Best
 from rig.sweeping.code import CodeVersion, code_version
@@ -65,7 +66,10 @@ def run_sweep(
     SweepStopped
         Another sweep works in the folder, or points cannot be run any more; the table of what
         is finished is written.
+    ModuleNotFoundError
+        What draws its figure is not installed.
     """
+    need("matplotlib")
     request = request.checked()
     design = make_design(request.axes, request.seeds, request.draw_seed)
     with closing(Journal(request.folder)) as journal:

@@ -5,13 +5,14 @@ import os
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rig.installation import PACKAGES, missing_package
+from rig.installation import BENEATH, PACKAGES, missing_package
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -92,6 +93,51 @@ def test_a_sweep_whose_workers_lack_it_ends_and_finds_nothing_of_a_point(
     assert (tmp_path / "sweep" / "points.jsonl").read_text().count('"status"') == 0
 
 
+BEFORE = [
+    ("matplotlib", ("run", "cylinder-step", "--on", "sim", "--out", "runs")),
+    ("matplotlib", ("compare", "cylinder-step", "--controllers", "cascade,pid", "--out", "runs")),
+    ("matplotlib", ("sweep", "cylinder-step", "--seeds", "0:2", "--on", "sim", "--out", "runs/s")),
+    ("matplotlib", ("calibrate", "cylinder", "wires", "--on", "sim", "--yes", "--out", "runs")),
+    ("scipy", ("calibrate", "cylinder", "wires", "--on", "sim", "--yes", "--out", "runs")),
+]
+
+
+@pytest.mark.parametrize(("name", "words"), BEFORE, ids=[f"{n} {w[0]}" for n, w in BEFORE])
+def test_what_draws_and_fits_is_missed_before_anything_moves(tmp_path, name, words):
+    told = rig_without(name, tmp_path, *words)
+    assert told.returncode == 2
+    assert told.stderr.endswith(f"error: {name} is not installed here: pip install {name}\n")
+    assert "Traceback" not in told.stderr
+    assert not list(tmp_path.rglob("log.mcap"))
+
+
+UNDER = [
+    ("kiwisolver", "matplotlib", ("run", "cylinder-step", "--on", "sim", "--out", "runs")),
+    ("PIL", "matplotlib", ("report", "RUN")),
+    ("llvmlite", "numba", SIMULATED),
+    ("typing_extensions", "pydantic", ("check", "cylinder")),
+]
+
+
+@pytest.mark.parametrize(("name", "above", "words"), UNDER)
+def test_what_one_of_these_needs_is_told_with_it(tmp_path, done, name, above, words):
+    told = rig_without(name, tmp_path, *(str(done) if word == "RUN" else word for word in words))
+    assert told.returncode == 2, told.stderr
+    assert told.stderr.splitlines()[-1] == (
+        f"error: {name}, which {above} needs, is not installed here: pip install {above}"
+    )
+    assert "Traceback" not in told.stderr
+
+
+@pytest.mark.parametrize(("source", "is_told"), [("arm-wrist-hit", True), ("cylinder", False)])
+def test_what_cannot_be_simulated_here_is_valid_with_a_warning(tmp_path, source, is_told):
+    told = rig_without("mujoco", tmp_path, "check", source)
+    assert told.returncode == 0
+    warned = [line for line in told.stderr.splitlines() if "cannot be simulated" in line]
+    assert [line.startswith("warning: ") for line in warned] == [True] * is_told
+    assert all("mujoco is not installed here: pip install mujoco" in line for line in warned)
+
+
 def test_pip_knows_every_package_by_that_name():
     extras = PROJECT["optional-dependencies"]
     for package in PACKAGES.values():
@@ -109,6 +155,21 @@ def test_pip_knows_every_package_by_that_name():
 def test_every_package_that_is_needed_is_known():
     needed = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
     assert needed <= set(PACKAGES.values())
+
+
+def test_every_package_beneath_those_is_known():
+    known, wanted = packages_distributions(), {*PROJECT["dependencies"]}
+    seen = set()
+    while wanted:
+        one = Requirement(wanted.pop())
+        if one.name not in seen and (one.marker is None or one.marker.evaluate({"extra": ""})):
+            seen.add(one.name)
+            wanted |= set(requires(one.name) or ())
+    seen = {canonicalize_name(name) for name in seen}
+    modules = {module for module, of in known.items() if seen & {*map(canonicalize_name, of)}}
+    tops = {module for module in modules if module.isidentifier() and not module.startswith("_")}
+    assert tops - {"pylab", "mpl_toolkits"} <= PACKAGES.keys() | BENEATH.keys()
+    assert set(BENEATH.values()) <= PACKAGES.keys()
 
 
 def test_every_module_of_others_that_is_imported_is_known():
