@@ -9,6 +9,7 @@ import contextlib
 import hashlib
 import io
 import os
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final, TypeVar, cast
@@ -19,6 +20,8 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _LENGTH: Final = hashlib.sha256().digest_size
+_LEFT: Final = 3600.0
+"""A file that is not whole after so long is of a process that was killed, s."""
 
 
 def kept_kernel(function: Function) -> Function:
@@ -85,9 +88,21 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
         content = io.BytesIO()
         yield content
         with contextlib.suppress(OSError):
-            os.rmdir(path)  # noqa: PTH106 - a file is not moved over a folder
+            # A file is not moved over a folder. One with something in it is somebody's: it stays,
+            # and each process compiles.
+            os.rmdir(path)  # noqa: PTH106
+        _clear_left_over(Path(path).parent)
         with super()._open_for_write(path) as file:
             file.write(content.getvalue() + _digest(path, content.getvalue()))
+
+
+def _clear_left_over(folder: Path) -> None:
+    """Take away what processes that were killed had begun to write, of any kernel."""
+    with contextlib.suppress(OSError):
+        for path in folder.glob("*.nb[ci].tmp.*"):
+            with contextlib.suppress(OSError):  # another one takes it away as well
+                if time.time() - path.lstat().st_mtime > _LEFT:
+                    path.unlink()
 
 
 def _is_whole(path: str) -> bool:

@@ -5,6 +5,7 @@ import importlib.util
 import os
 import random
 import shutil
+import time
 
 import numpy as np
 import pytest
@@ -171,6 +172,20 @@ def test_a_disk_without_room_ends_nothing(tmp_path, write, monkeypatch, reason, 
     assert called(law, chance) == (after == 2)
     assert called(law, chance)
     assert not list((tmp_path / "__pycache__").glob("*.tmp.*"))
+
+
+def test_what_a_killed_process_had_begun_is_taken_away_after_an_hour(tmp_path, write):
+    laws, chance = write(), np.random.default_rng(8)
+    called(laws.law, chance)
+    (path,) = files_of(tmp_path, "law", ".nbc")
+    old, new, theirs = (path.with_name(path.name + f".tmp.{n}") for n in ("0ld", "new", "theirs"))
+    for begun in (old, new):
+        begun.touch()
+    theirs.mkdir()
+    for begun, age in ((old, 4000.0), (new, 3000.0), (theirs, 4000.0), (path, 4000.0)):
+        os.utime(begun, (time.time() - age, time.time() - age))
+    called(laws.other, chance)
+    assert [one.exists() for one in (old, new, theirs, path)] == [False, True, True, True]
 
 
 def test_what_was_written_with_another_library_is_compiled_anew(write, monkeypatch):
