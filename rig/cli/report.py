@@ -32,7 +32,8 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
 
     RUN is a run folder, the name of one, or "latest". A run that crashed is reported as far as
     its log goes. With --beside or --rehearse it is also said how far the two runs are apart, and
-    the figure `beside` shows it: a run of the rig, and its twin in simulation.
+    the figure `beside` shows it: a run of the rig, and its twin in simulation. Exit code 1 if
+    there are figures to draw and none could be.
     """
     if rehearse and beside is not None:
         raise click.UsageError("either --rehearse or --beside: one run is drawn over the other")
@@ -51,7 +52,7 @@ def report(run: str, beside: str | None, rehearse: bool, runs: Path, as_json: bo
     else:
         print_tables([_table(residuals)])
         print_data(str(made.page))
-    return 0
+    return int(made.is_bare)
 
 
 def _written(path: Path, other: Path | None, rehearse: bool) -> tuple[Beside | None, RunReport]:

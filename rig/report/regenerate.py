@@ -41,11 +41,14 @@ class RunReport(NamedTuple):
         What is not in it, and why.
     notes : list of str
         What was asked for and has nothing to show.
+    is_bare : bool
+        There are figures to draw, and none could be.
     """
 
     page: Path
     failures: list[str]
     notes: list[str]
+    is_bare: bool = False
 
 
 def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
@@ -99,7 +102,8 @@ def write_report(path: str | Path, besides: Sequence[Path] = ()) -> RunReport:
     empty = [name for name in drawn.empty if name in (names or ())]
     notes = [f"nothing to draw: {', '.join(empty)}"] if empty else []
     page = write_html(folder, figures, [*torn, *problems], [*drawn.failures, *notes])
-    return RunReport(page, [*torn, *drawn.failures], notes)
+    is_bare = bool(drawn.failures) and not drawn.files
+    return RunReport(page, [*torn, *drawn.failures], notes, is_bare)
 
 
 def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[str]]:

@@ -113,6 +113,34 @@ def test_what_a_killed_process_was_drawing_is_drawn_again(seed, run):
     assert not begun_files(run)
 
 
+LOST = """
+import os, signal
+import rig.report.figures as figures
+drawn, bad = figures._draw, BAD
+def killed(run, folder, name):
+    if bad in ("all", name):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return drawn(run, folder, name)
+figures._draw = killed
+os.sched_getaffinity = lambda _: {0, 1}
+from rig.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(("bad", "code"), [("all", 1), ("tracking", 0)])
+def test_a_report_without_any_of_its_figures_has_not_gone_well(bad, code, run):
+    with (run.parent / "err").open("w") as err:
+        words = ["report", run]
+        process = warm_start.WarmProcess(
+            words, LOST.replace("BAD", repr(bad)), stdout=err, stderr=err
+        )
+        assert process.wait() == code
+    said = (run.parent / "err").read_text()
+    assert "the figure tracking cannot be drawn: the process that drew it was ended by" in said
+    assert str(run / "report.html") in said and (run / "report.html").exists()
+
+
 def of_the_dead():
     """Return the number of a process that has ended."""
     process = subprocess.Popen([sys.executable, "-c", ""])
