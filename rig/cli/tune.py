@@ -71,12 +71,14 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     from rig.calibration.store import check_writable
     from rig.cli.judge_progress import JudgeProgress
     from rig.config.names import find_configs, say_where
+    from rig.installation import need
     from rig.sweeping.errors import SweepStopped
     from rig.tuning.attempt import keep_attempt
     from rig.tuning.search import GainSearch
     from rig.tuning.verdict import in_short, judge, objections, plants_of, trades
     from rig.tuning.workbench import Request, Workbench
 
+    need("cma", "matplotlib")  # which draws what was found
     configs = options["configs"]
     request = Request(
         rig, controller, experiment, tuple(options["overrides"]),

@@ -98,7 +98,7 @@ class GainSearch:
     def __init__(
         self, bench: Workbench, request: Request, folder: Path, workers: int, generations: int
     ) -> None:
-        import cma  # where it is missing, that is said before plants are run for it
+        import cma
 
         self._cma = cma
         self._bench, self._text, self._folder = bench, request.text(), folder
