@@ -9,7 +9,7 @@ import contextlib
 import hashlib
 import io
 import os
-import time
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final, TypeVar, cast
@@ -44,8 +44,10 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
 
     def save_overload(self, sig: object, data: object) -> None:
-        # A disk that is full, or not writable any more, must not end what the kernel is for.
-        with contextlib.suppress(OSError):
+        # A disk that is full, or not writable any more, must not end what the kernel is for; nor
+        # need anybody be warned of a kernel that numba keeps none of, compiled as it was told to.
+        with contextlib.suppress(OSError), warnings.catch_warnings():
+            warnings.simplefilter("ignore", numba.NumbaWarning)
             super().save_overload(sig, data)
 
 
@@ -91,17 +93,18 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
             # A file is not moved over a folder. One with something in it is somebody's: it stays,
             # and each process compiles.
             os.rmdir(path)  # noqa: PTH106
-        _clear_left_over(Path(path).parent)
         with super()._open_for_write(path) as file:
             file.write(content.getvalue() + _digest(path, content.getvalue()))
+        _clear_left_over(Path(path))
 
 
-def _clear_left_over(folder: Path) -> None:
-    """Take away what processes that were killed had begun to write, of any kernel."""
+def _clear_left_over(written: Path) -> None:
+    """Take away what processes that were killed had begun beside a file that was just written."""
     with contextlib.suppress(OSError):
-        for path in folder.glob("*.nb[ci].tmp.*"):
+        now = written.stat().st_mtime
+        for path in written.parent.glob("*.nb[ci].tmp.*"):
             with contextlib.suppress(OSError):  # another one takes it away as well
-                if time.time() - path.lstat().st_mtime > _LEFT:
+                if now - path.lstat().st_mtime > _LEFT:
                     path.unlink()
 
 

@@ -6,9 +6,11 @@ import os
 import random
 import shutil
 import time
+import warnings
 
 import numpy as np
 import pytest
+from numba import NumbaWarning
 from numba.core import caching, config
 
 from controllers.kernel_files import kept_kernel
@@ -186,6 +188,19 @@ def test_what_a_killed_process_had_begun_is_taken_away_after_an_hour(tmp_path, w
         os.utime(begun, (time.time() - age, time.time() - age))
     called(laws.other, chance)
     assert [one.exists() for one in (old, new, theirs, path)] == [False, True, True, True]
+
+
+def test_nobody_is_warned_of_a_kernel_that_cannot_be_kept(write, monkeypatch, recwarn):
+    """As with NUMBA_OPT=0, by which the machine code of a few has addresses of this process."""
+
+    def refuses(*_):
+        warnings.warn("Cannot cache compiled function", NumbaWarning, stacklevel=2)
+        return False
+
+    monkeypatch.setattr(caching.CompileResultCacheImpl, "check_cachable", refuses)
+    law, chance = write().law, np.random.default_rng(9)
+    assert not called(law, chance) and not called(law, chance)
+    assert not [one for one in recwarn if issubclass(one.category, NumbaWarning)]
 
 
 def test_what_was_written_with_another_library_is_compiled_anew(write, monkeypatch):
