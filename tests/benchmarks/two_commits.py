@@ -139,7 +139,8 @@ def checked_out(commit: str) -> Iterator[Path]:
         try:
             added = git("worktree", "add", "-q", "--detach", folder, commit)
             if added.returncode:
-                raise Unmeasured(f"cannot check out {commit}: {added.stderr.strip()}")
+                first = added.stderr.strip().partition("\n")[0]  # a full disk: one for each file
+                raise Unmeasured(f"cannot check out {commit} into {parent.parent}: {first}")
             yield folder
         finally:
             with unheard():  # twice: one that was not checked out to its end is locked
