@@ -6,11 +6,12 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from types import TracebackType
-from typing import Final, Generic, NamedTuple, Self, TypeVar
+from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
 
 from rig.runtime.parent import end_with
 from rig.runtime.stop import ENDING
@@ -19,6 +20,8 @@ Result = TypeVar("Result")
 
 _PATIENCE: Final = 5.0
 """So long a copy may take to put away what it writes when it is told to end, s."""
+_SOON: Final = 4.0
+"""After this it ends with whatever it has not put away, s."""
 
 
 class Lost(NamedTuple):
@@ -49,12 +52,51 @@ def may_copy() -> bool:
 def end_when_told(parent: int) -> None:
     """Have this copy leave Ctrl-C to its parent, and end by itself when it is told to, or orphaned.
 
-    It takes the files away that it is about to write.
+    It takes the files away that it is about to write. What is told before this comes after it, if
+    the copy was begun by `begin`.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the process that waits
     for number in set(ENDING) - {signal.SIGINT}:
-        signal.signal(number, lambda *_: sys.exit())
+        signal.signal(number, _end)
+    signal.signal(signal.SIGALRM, lambda *_: os._exit(0))
+    sys.unraisablehook = _unraisable
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     end_with(parent, signal.SIGTERM)
+
+
+def begin(process: BaseProcess) -> None:
+    """Begin a copy that hears no signal until it calls `end_when_told`."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def ending_quietly() -> Iterator[None]:
+    """End without a word whatever becomes of a copy that was told to end, as of a torn import."""
+    try:
+        yield
+    except BaseException:
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_IGN:
+            os._exit(0)
+        raise
+
+
+def _end(*_: object) -> None:
+    """End in the orderly way, once; and soon, whoever takes that for an error of his own."""
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
+    signal.setitimer(signal.ITIMER_REAL, _SOON)
+    raise SystemExit
+
+
+def _unraisable(lost: Any) -> None:
+    """End where Python would only say that it drops the end, as in a destructor."""
+    if isinstance(lost.exc_value, SystemExit):
+        os._exit(0)
+    sys.__unraisablehook__(lost)
 
 
 def share_out(
@@ -110,7 +152,7 @@ class _Copy(Generic[Result]):
         context = multiprocessing.get_context("fork")
         self._process = context.Process(target=_work, args=(work, theirs, self.line, os.getpid()))
         with theirs:  # else its end would never be seen
-            self._process.start()
+            begin(self._process)
 
     def ask(self, task: str) -> None:
         """Hand it a task; whether it is still there shows in its answer."""
@@ -180,7 +222,7 @@ def _work(
     """Do tasks in this process until there is nobody to tell."""
     end_when_told(parent)
     not_ours.close()
-    with contextlib.suppress(EOFError, OSError):
+    with ending_quietly(), contextlib.suppress(EOFError, OSError):
         while True:
             line.send(_outcome(work, line.recv()))
 

@@ -102,12 +102,14 @@ def draw_figures(
         return drawn
     folder = run.folder.place(FIGURES_FOLDER)
     clear_left_over(folder)
-    with paper_style():
-        for one in _share_out(partial(_draw, run, folder), chosen):
-            drawn.files.extend(one.files)
-            drawn.failures.extend(one.failures)
-            drawn.empty.extend(one.empty)
-    clear_left_over(folder)  # of a copy that was killed
+    try:
+        with paper_style():
+            for one in _share_out(partial(_draw, run, folder), chosen):
+                drawn.files.extend(one.files)
+                drawn.failures.extend(one.failures)
+                drawn.empty.extend(one.empty)
+    finally:
+        clear_left_over(folder)  # of a copy that was killed
     return drawn
 
 

@@ -13,7 +13,8 @@ from types import TracebackType
 from typing import Self
 
 from rig.hal import RigError
-from rig.report.copies import end_when_told, may_copy
+from rig.report.copies import begin, end_when_told, ending_quietly, may_copy
+from rig.whole_file import clear_left_over
 
 
 class ReadyReporter:
@@ -31,18 +32,20 @@ class ReadyReporter:
 
     def __enter__(self) -> Self:
         self._asking: Connection | None = None
+        self._path: Path | None = None
         if self._ahead and may_copy():
             self._asking, asked = multiprocessing.Pipe()
             context = multiprocessing.get_context("fork")
             self._copy = context.Process(
                 target=_write_when_asked, args=(self._asking, asked, os.getpid())
             )
-            self._copy.start()
+            begin(self._copy)
             asked.close()
         return self
 
     def write(self, path: Path) -> list[str]:
         """Write the report of a run folder; return what it lacks, in sentences."""
+        self._path = path
         if self._asking is not None:
             with contextlib.suppress(EOFError, OSError):  # whatever has ended it ends no report
                 self._asking.send(path)
@@ -60,6 +63,8 @@ class ReadyReporter:
             self._asking.close()
             self._copy.terminate()  # it has written its report, or is to write none
             self._copy.join()
+            if self._path is not None and error is not None:  # it may have had no time to
+                clear_left_over(self._path)
 
 
 def written(path: Path) -> list[str]:
@@ -77,11 +82,12 @@ def _write_when_asked(asking: Connection, asked: Connection, parent: int) -> Non
     """Get ready, and write the report that is asked for, if one is, before this process ends."""
     end_when_told(parent)
     asking.close()  # else its end would never be seen
-    from rig.report.figures import import_once
+    with ending_quietly():
+        from rig.report.figures import import_once
 
-    try:
-        import_once()
-    except ImportError:  # whoever waits finds that out as well, and says it
-        return
-    with contextlib.suppress(EOFError, BrokenPipeError):  # nobody waits for it any more
-        asked.send(written(asked.recv()))
+        try:
+            import_once()
+        except ImportError:  # whoever waits finds that out as well, and says it
+            return
+        with contextlib.suppress(EOFError, BrokenPipeError):  # nobody waits for it any more
+            asked.send(written(asked.recv()))

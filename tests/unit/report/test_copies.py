@@ -90,3 +90,59 @@ print(*share_out(str.upper, ["a", "b", "c"], 2))
 """
     ended = warm_start.run([], program)
     assert ended.stdout.split() == ["A", "B", "C"], ended.stderr
+
+
+ENDED = """
+import contextlib, gc, os, signal, sys, time
+from multiprocessing import get_context
+from rig.report.copies import begin, end_when_told, ending_quietly
+way, parent = sys.argv[1], os.getpid()
+def tell_itself():
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(0.01)
+class Kept:
+    def __del__(self):
+        tell_itself()
+def work():
+    end_when_told(parent)
+    with ending_quietly():
+        if way == "dropped":
+            Kept()
+        if way == "turned":
+            try:
+                tell_itself()
+            except SystemExit:
+                raise ImportError("of what is torn") from None
+        if way == "taken":
+            with contextlib.suppress(SystemExit):
+                tell_itself()
+        if way == "twice":
+            try:
+                tell_itself()
+            finally:
+                tell_itself()
+                print("put away", flush=True)
+        if way != "forked":
+            time.sleep(60.0)
+    print("went on", flush=True)
+if way == "forked":  # what a copy's parent hears by must not be heard by the copy as it begins
+    def told(*_):
+        print("heard by the handler of its parent", flush=True)
+    signal.signal(signal.SIGTERM, told)
+    os.register_at_fork(after_in_child=tell_itself)
+copy = get_context("fork").Process(target=work)
+begin(copy)
+began = time.monotonic()
+copy.join()
+print(copy.exitcode, time.monotonic() - began < 30.0)
+"""
+
+
+@pytest.mark.parametrize(
+    ("way", "says"),
+    [("dropped", []), ("turned", []), ("taken", []), ("twice", ["put away"]), ("forked", [])],
+)
+def test_a_copy_that_is_told_ends_soon_and_without_a_word(way, says):
+    ended = warm_start.run([way], ENDED)
+    assert ended.stderr == ""
+    assert ended.stdout.splitlines() == [*says, "0 True"]
