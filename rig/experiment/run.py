@@ -160,6 +160,7 @@ def run_experiment(
         doubts += [*sentences_of_bases(plan.profile), *sentences_of_records(plan.profile)]
         plan, notes = as_commissioned(plan, backend, uncommissioned)
     latch = FaultLatch.of(plan.profile, on) if backend is Backend.HARDWARE else None
+    is_ours = stop is None  # then each request is a signal
     stop = stop or StopRequests()
     with ReadyReporter(ahead=report and backend.is_simulated) as reporter:
         with stop:
@@ -206,13 +207,16 @@ def run_experiment(
                 _close(folder, ending, counts, watcher)
         if ending.bug is not None and raises:
             raise ending.bug  # the rig is safe by now, and the traceback is wanted
+        is_late = stop.count > stop.heard  # it came when the loop had ended
         if report and ending.bug is None:
-            if ending.status is RunStatus.ABORTED:  # whoever ended it wants the prompt back at once
+            if is_late or ending.status is RunStatus.ABORTED:  # the prompt is wanted back at once
                 later = f"draw them with: rig report {folder.path}"
                 watcher.said(f"ended by hand, so no figures are drawn; {later}")
             else:
                 for sentence in reporter.write(folder.path):
                     watcher.said(sentence)
+        if is_late and is_ours and ending.status in (RunStatus.OK, RunStatus.FAILED):
+            raise KeyboardInterrupt  # as after these lines: nobody is to go on to something else
     return Result(
         folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured),
         ending.bug,
