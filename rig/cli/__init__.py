@@ -23,6 +23,7 @@ _OPTIONS = {
     "--version": "Show the version and exit.",
     "-h, --help": "Show this message and exit.",
 }
+_INTERRUPTED = 130
 _UNWRITTEN = 2  # what the shell was asked for cannot be: usage
 _COLLECT_AFTER = (50_000, 20, 50)
 """Thresholds of the garbage collector. With Python's own, a tenth of a short command's time goes
@@ -37,6 +38,23 @@ def main(arguments: list[str] | None = None) -> None:
     preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted. What
     would be 0 is 2 if the output cannot be written.
     """
+    from rig.runtime.ending_signals import all_as_ctrl_c, end_by_signals
+
+    code = _INTERRUPTED
+    try:
+        with all_as_ctrl_c():
+            code = _run(arguments)
+    except KeyboardInterrupt:  # before or after a command would hear it
+        if sys.stderr is not None:
+            sys.stderr.write("Interrupted.\n")
+    end_by_signals()
+    # Python looks for garbage as it ends: among all that was imported, that takes longer than to
+    # end without.
+    gc.freeze()
+    sys.exit(code)
+
+
+def _run(arguments: list[str] | None) -> int:
     gc.set_threshold(*_COLLECT_AFTER)
     if sys.stderr is None:  # closed by the shell: what is opened next must not take its place
         sys.stderr = open(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")  # noqa: SIM115, PTH123
@@ -52,10 +70,7 @@ def main(arguments: list[str] | None = None) -> None:
     code = invoke(arguments)
     with contextlib.suppress(BrokenPipeError):
         sys.stdout.flush()
-    # Python looks for garbage as it ends: among all that was imported, that takes longer than to
-    # end without.
-    gc.freeze()
-    sys.exit(code or (_UNWRITTEN if output.is_lost else 0))
+    return code or (_UNWRITTEN if output.is_lost else 0)
 
 
 class _Output(io.FileIO):

@@ -1,11 +1,94 @@
 """Signals that end a command which moves nothing, taken for Ctrl-C."""
 
+import os
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from time import monotonic
+from types import FrameType
+from typing import Any
 
 from rig.runtime.stop import ENDING
+
+_LOOK = 0.005
+"""Between two looks whether an interrupt that has to wait may come now, s."""
+_PATIENCE = 2.0
+"""An import that takes longer is interrupted, s."""
+
+
+class _Interrupt(KeyboardInterrupt):
+    """Ctrl-C as this module raises it: if it gets lost, it is raised again."""
+
+
+class _Waiting:
+    """The signal whose interrupt has to wait; None: there is none."""
+
+    number: int | None = None
+    since = 0.0
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Interrupt, but for an import: what is written in C may make another error of it there.
+
+    A second one does not wait.
+    """
+    if _Waiting.number is None and _imports(frame):
+        _wait_with(number)
+        return
+    _Waiting.number = None
+    raise _Interrupt
+
+
+def _wait_with(number: int) -> None:
+    _Waiting.number, _Waiting.since = number, monotonic()
+    signal.signal(signal.SIGALRM, _look_again)
+    signal.setitimer(signal.ITIMER_REAL, _LOOK)
+
+
+def _look_again(_: int, frame: FrameType | None) -> None:
+    """Interrupt now if it does no harm; whoever hears signals by now gets this one."""
+    number = _Waiting.number
+    if number is None:
+        return
+    if signal.getsignal(number) is not _interrupt:
+        _Waiting.number = None
+        signal.raise_signal(number)
+    elif _imports(frame) and monotonic() - _Waiting.since < _PATIENCE:
+        signal.setitimer(signal.ITIMER_REAL, _LOOK)
+    else:
+        _Waiting.number = None
+        raise _Interrupt
+
+
+def _imports(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _lost(hook: Callable[[Any], object], unraisable: Any) -> None:
+    """Raise again what was raised where Python drops it, as in a destructor."""
+    if isinstance(unraisable.exc_value, _Interrupt):
+        _wait_with(signal.SIGINT)
+    else:
+        hook(unraisable)
+
+
+def _forget() -> None:
+    """In a copy of this process: its signals are as they are where nobody takes them for Ctrl-C."""
+    _Waiting.number = None
+    for number in ENDING:
+        if signal.getsignal(number) is _interrupt:
+            is_ctrl_c = number == signal.SIGINT
+            signal.signal(number, signal.default_int_handler if is_ctrl_c else signal.SIG_DFL)
+
+
+os.register_at_fork(after_in_child=_forget)
 
 
 @contextmanager
@@ -18,9 +101,22 @@ def all_as_ctrl_c() -> Iterator[None]:
         yield  # signals are not ours
         return
     heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, signal.default_int_handler) for number in heard}
+    hook, sys.unraisablehook = sys.unraisablehook, partial(_lost, sys.unraisablehook)
+    before = {number: signal.signal(number, _interrupt) for number in heard}
     try:
         yield
+        if _Waiting.number is not None:  # in vain, as it were
+            _Waiting.number = None
+            raise _Interrupt
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        sys.unraisablehook = hook
+
+
+def end_by_signals() -> None:
+    """Let signals end this process without a word: it has done what it was begun for."""
+    if threading.current_thread() is threading.main_thread():
+        for number in ENDING:
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, signal.SIG_DFL)

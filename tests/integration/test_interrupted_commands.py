@@ -3,6 +3,9 @@
 import json
 import os
 import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 import warm_start
@@ -29,6 +32,44 @@ def run_of(folder):
     (run,) = (folder / "runs").iterdir()
     manifest = json.loads((run / "manifest.json").read_text())
     return run, manifest["status"]
+
+
+@pytest.mark.parametrize("number", ENDS)
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (["--help"], ""),
+        (SHORT, "click"),
+        (SHORT, "rig.experiment.run"),
+        (["check", "cylinder"], "rig.cli.check"),
+    ],
+    ids=["help", "click", "run", "check"],
+)
+def test_while_it_imports(words, name, number, tmp_path):
+    """Of what comes before the handlers, that is Python's own start, nothing can be asked."""
+    program = f"""{EARS}
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r} and not hasattr(sys, "told"):
+            sys.told = True
+            os.kill(os.getpid(), NUMBER)
+            time.sleep(0.02)
+sys.meta_path.insert(0, Finder())
+from rig import cli
+if {not name}:
+    inside = cli._run
+    def told(arguments):
+        os.kill(os.getpid(), NUMBER)
+        return inside(arguments)
+    cli._run = told
+cli.main()
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program, *words],
+        cwd=tmp_path, env=environment(number), capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr.split()) == (130, ["Interrupted."])
+    assert not (tmp_path / "runs").exists()
 
 
 BOOKS = f"""{EARS}
@@ -82,3 +123,40 @@ print(rig.run("cylinder-step", on="sim", set=short, stop=stop).status)
 """
     ended = warm_start.run([], program, folder=tmp_path)
     assert ended.stdout.strip() in ("ok", "failed"), ended.stderr
+
+
+@pytest.mark.parametrize("number", ENDS)
+def test_while_it_draws(number, tmp_path):
+    program = f"""{EARS}
+os.sched_getaffinity = lambda _: {{0, 1}}
+from rig.report import ready
+def draws(path):
+    (path / "figures").mkdir()
+    (path / "figures" / "drawer").write_text(f"{{os.getpid()}}")
+    os.kill(os.getppid(), NUMBER)
+    time.sleep(300.0)
+ready.written = draws
+from rig.cli import main; main()
+"""
+    ended = warm_start.run(SHORT, program, folder=tmp_path, environment=environment(number))
+    run, status = run_of(tmp_path)
+    assert ended.returncode == 130 and status in ("ok", "failed")
+    assert ended.stderr.splitlines()[-1] == "Interrupted." and "Traceback" not in ended.stderr
+    drawer = (run / "figures" / "drawer").read_text()
+    assert not Path("/proc", drawer).exists()
+
+
+def test_what_is_ignored_ends_nothing(tmp_path):
+    """`nohup rig run` outlives its terminal."""
+    program = f"""{EARS}
+signal.signal(NUMBER, signal.SIG_IGN)
+from rig import cli
+inside = cli._run
+def told(arguments):
+    os.kill(os.getpid(), NUMBER)
+    return inside(arguments)
+cli._run = told
+cli.main()
+"""
+    ended = warm_start.run(["--help"], program, environment=environment(signal.SIGHUP))
+    assert (ended.returncode, ended.stderr) == (0, "")
