@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from types import TracebackType
-from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
+from typing import Final, Generic, NamedTuple, Self, TypeVar
 
 from rig.runtime.parent import end_with
 from rig.runtime.stop import ENDING
@@ -92,7 +92,7 @@ def _end(*_: object) -> None:
     raise SystemExit
 
 
-def _unraisable(lost: Any) -> None:
+def _unraisable(lost: "sys.UnraisableHookArgs") -> None:
     """End where Python would only say that it drops the end, as in a destructor."""
     if isinstance(lost.exc_value, SystemExit):
         os._exit(0)

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from functools import partial
 from time import monotonic
 from types import FrameType
-from typing import Any
 
 from rig.runtime.stop import ENDING
 
@@ -71,7 +70,9 @@ def _imports(frame: FrameType | None) -> bool:
     return False
 
 
-def _lost(hook: Callable[[Any], object], unraisable: Any) -> None:
+def _lost(
+    hook: Callable[["sys.UnraisableHookArgs"], object], unraisable: "sys.UnraisableHookArgs"
+) -> None:
     """Raise again what was raised where Python drops it, as in a destructor."""
     if isinstance(unraisable.exc_value, _Interrupt):
         _wait_with(signal.SIGINT)
