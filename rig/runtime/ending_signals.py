@@ -19,7 +19,17 @@ _PATIENCE = 2.0
 
 
 class _Interrupt(KeyboardInterrupt):
-    """Ctrl-C as this module raises it: if it gets lost, it is raised again."""
+    """Ctrl-C as this module raises it: if it gets lost, it is raised again.
+
+    Parameters
+    ----------
+    number : int
+        The signal that it is for.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
 
 
 class _Waiting:
@@ -38,7 +48,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
         _wait_with(number)
         return
     _Waiting.number = None
-    raise _Interrupt
+    raise _Interrupt(number)
 
 
 def _wait_with(number: int) -> None:
@@ -59,7 +69,7 @@ def _look_again(_: int, frame: FrameType | None) -> None:
         signal.setitimer(signal.ITIMER_REAL, _LOOK)
     else:
         _Waiting.number = None
-        raise _Interrupt
+        raise _Interrupt(number)
 
 
 def _imports(frame: FrameType | None) -> bool:
@@ -75,7 +85,7 @@ def _lost(
 ) -> None:
     """Raise again what was raised where Python drops it, as in a destructor."""
     if isinstance(unraisable.exc_value, _Interrupt):
-        _wait_with(signal.SIGINT)
+        _wait_with(unraisable.exc_value.number)
     else:
         hook(unraisable)
 
@@ -107,8 +117,8 @@ def all_as_ctrl_c() -> Iterator[None]:
     try:
         yield
         if _Waiting.number is not None:  # in vain, as it were
-            _Waiting.number = None
-            raise _Interrupt
+            number, _Waiting.number = _Waiting.number, None
+            raise _Interrupt(number)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -88,8 +88,10 @@ except KeyboardInterrupt:
     assert said_by(program, tmp_path) == ["False"]
 
 
-def test_what_a_destructor_swallows_comes_again(tmp_path):
-    program = """
+@pytest.mark.parametrize("ctrl_c", ["default_int_handler", "SIG_IGN"])
+def test_what_a_destructor_swallows_comes_again(ctrl_c, tmp_path):
+    program = f"signal.signal(signal.SIGINT, signal.{ctrl_c})"
+    program += """
 class Kept:
     def __del__(self):
         tell()
