@@ -25,6 +25,7 @@ from rig.experiment.ending import (
     fault_of,
     say_for_rig,
 )
+from rig.experiment.events import Events
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
@@ -181,11 +182,11 @@ def run_experiment(
                     frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
                 rig.show_in(folder.path)
                 watcher.started(folder.path)
-                watcher.recording(_Events(folder))
+                watcher.recording(Events(folder))
                 for kind, sentences in (("commissioning", notes), ("calibration", doubts)):
                     for sentence in sentences:
                         watcher.said(sentence)
-                        _Events(folder)(None, kind, sentence, {})
+                        Events(folder)(None, kind, sentence, {})
                 stopwatch = Stopwatch(rig.clock)
                 ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
                 stop.shield()  # what is left is bookkeeping; it is not to be torn either
@@ -198,7 +199,7 @@ def run_experiment(
                     _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
                 metrics, unmeasured, ending = write_results(plan, folder, ending, stopwatch)
                 for error in unmeasured:
-                    _Events(folder)(None, "measure", str(error), {})
+                    Events(folder)(None, "measure", str(error), {})
                 if backend.is_simulated and stopwatch.facts:
                     watcher.said(str(stopwatch))
                 ending = ending.judged(passed=all_passed(metrics))
@@ -242,7 +243,7 @@ def _keep_frames(
             trouble = f"the frames stay in candump's format: {error}"
     if trouble is not None:
         watcher.said(trouble)
-        _Events(folder)(None, "frames", trouble, {})
+        Events(folder)(None, "frames", trouble, {})
 
 
 def _run(
@@ -255,7 +256,7 @@ def _run(
     latch: FaultLatch | None,
 ) -> Ending:
     """Connect, arm, loop; return how it ended."""
-    events = _Events(folder)
+    events = Events(folder)
     flaws: list[str] = []
 
     def noted(t: float | None, kind: str, message: str, data: dict[str, Any]) -> None:
@@ -340,7 +341,7 @@ def _run(
         return broken_contract(blamed)
 
 
-def _by_bug(error: BaseException, t: float | None, events: "_Events") -> Ending:
+def _by_bug(error: BaseException, t: float | None, events: Events) -> Ending:
     """Return the ending of a run that a bug has ended beside its loop's own stop; it is noted."""
     ending = bug_of(error, t)
     events(t, "fault", str(ending.message), {"type": type(error).__name__})
@@ -368,7 +369,7 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> 
 def _judge(
     outcome: Outcome,
     t: float | None,
-    events: "_Events",
+    events: Events,
     blame: Callable[[BaseException], str | None],
     rig: str,
 ) -> Ending:
@@ -388,14 +389,3 @@ def _judge(
         how = "stopped" if outcome.stopped == 1 else "stopped at once"
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe")
     return Ending(RunStatus.OK, EXIT_OK)
-
-
-class _Events:
-    """Writes events; a full disk must not keep the rig from being made safe."""
-
-    def __init__(self, folder: RunFolder) -> None:
-        self._folder = folder
-
-    def __call__(self, t: float | None, kind: str, message: str, data: dict[str, Any]) -> None:
-        with contextlib.suppress(RigError):
-            self._folder.record_event(t, kind, message, **data)

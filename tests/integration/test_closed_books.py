@@ -79,7 +79,7 @@ def test_whatever_comes_between_two_steps_is_written_down(tmp_path, monkeypatch,
         raise error
 
     places = {
-        "frames": (run_module, "_Events"),
+        "frames": (run_module, "Events"),
         "connect": (run_module.Rig, "__enter__"),
         "arm": (run_module.Rig, "arm"),
         "judge": (run_module, "_judge"),
