@@ -116,12 +116,12 @@ def memory_of(pid):
 
 
 def time_and_memory(*words):
-    """Return the time that a program in Python prints, s, and its greatest memory, MB."""
+    """Return the time that a program in Python prints first, s, and its greatest memory, MB."""
     seen = []
     done = called(sys.executable, *words, look=lambda pid: seen.extend(memory_of(pid)))
     if done.returncode:
         raise Unmeasured(last_line(done))
-    return float(done.stdout), max(seen)
+    return float(done.stdout.split()[0]), max(seen)
 
 
 def cycle_costs(folder):
@@ -206,22 +206,12 @@ def length_costs(folder, works, lengths, out=None):
     return found
 
 
-def numbers_of(*words):
-    """Return the two numbers that a program in Python prints last."""
-    done = called(sys.executable, *words)
-    if done.returncode:
-        raise Unmeasured(last_line(done))
-    spent, most = map(float, done.stdout.split()[-2:])
-    return spent, most
-
-
 def point_costs(folder):
     """Return processor time of a sweep (s) and memory (MB), by its points."""
     found = []
     for count in POINTS:
         words = test_sweep_cost.__file__, str(folder / f"points-{count}"), str(count)
-        spent, most = numbers_of(*words)
-        found.append((spent, most / 1024))
+        found.append(time_and_memory(*words))
     return found
 
 
