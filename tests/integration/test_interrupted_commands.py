@@ -22,6 +22,14 @@ from pathlib import Path
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job may ignore it
 NUMBER = int(os.environ["NUMBER"])
 """
+TOLD_AT_ONCE = """
+from rig import cli
+inside = cli._run
+def told(arguments):
+    os.kill(os.getpid(), NUMBER)
+    return inside(arguments)
+cli._run = told
+"""
 
 
 def environment(number):
@@ -55,13 +63,7 @@ class Finder:
             os.kill(os.getpid(), NUMBER)
             time.sleep(0.02)
 sys.meta_path.insert(0, Finder())
-from rig import cli
-if {not name}:
-    inside = cli._run
-    def told(arguments):
-        os.kill(os.getpid(), NUMBER)
-        return inside(arguments)
-    cli._run = told
+{"from rig import cli" if name else TOLD_AT_ONCE}
 cli.main()
 """
     ended = subprocess.run(
@@ -150,12 +152,7 @@ def test_what_is_ignored_ends_nothing(tmp_path):
     """`nohup rig run` outlives its terminal."""
     program = f"""{EARS}
 signal.signal(NUMBER, signal.SIG_IGN)
-from rig import cli
-inside = cli._run
-def told(arguments):
-    os.kill(os.getpid(), NUMBER)
-    return inside(arguments)
-cli._run = told
+{TOLD_AT_ONCE}
 cli.main()
 """
     ended = warm_start.run(["--help"], program, environment=environment(signal.SIGHUP))
