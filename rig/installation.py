@@ -1,5 +1,7 @@
 """What the installation lacks: packages that this program needs, and who cannot do without them."""
 
+import re
+from importlib.metadata import PackageNotFoundError, requires
 from importlib.util import find_spec
 from typing import Final
 
@@ -59,6 +61,10 @@ BENEATH: Final = {
 """What comes with one of these, by the name of what is imported: pip knows which version of it."""
 
 
+_CALLED: Final = {"PIL": "pillow", "dateutil": "python-dateutil"}
+"""What pip calls some of those."""
+
+
 def missing_package(error: BaseException) -> str | None:
     """Say which package is not installed, and what installs it; None for any other error.
 
@@ -76,7 +82,7 @@ def missing_package(error: BaseException) -> str | None:
 def need(*names: str) -> None:
     """Find out whether packages are there, before anything moves for what they are to do.
 
-    None is imported: that would take its time.
+    None is imported: that would take its time. What comes with one of them has to be there, too.
 
     Raises
     ------
@@ -84,5 +90,17 @@ def need(*names: str) -> None:
         One is not; `missing_package` says so in a sentence.
     """
     for name in names:
-        if find_spec(name) is None:
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        for wanted in (name, *(beneath for beneath, above in BENEATH.items() if above == name)):
+            if find_spec(wanted) is None and (wanted == name or _requires(name, wanted)):
+                raise ModuleNotFoundError(f"No module named {wanted!r}", name=wanted)
+
+
+def _requires(name: str, beneath: str) -> bool:
+    """Return whether the version that is installed still requires a package."""
+    try:
+        wanted = requires(PACKAGES[name]) or ()
+    except PackageNotFoundError:
+        return False
+    called = _CALLED.get(beneath, beneath).lower()
+    return any(re.match(rf"{called}\b(?!-)", line.lower()) and "extra ==" not in line
+               for line in wanted)  # fmt: skip

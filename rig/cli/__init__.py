@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:  # before or after a command would hear it
         if sys.stderr is not None:
             sys.stderr.write("Interrupted.\n")
-    end_by_signals()
+    end_by_signals(is_interrupted=code == _INTERRUPTED)
     # Python looks for garbage as it ends: among all that was imported, that takes longer than to
     # end without.
     gc.freeze()

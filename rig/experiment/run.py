@@ -321,6 +321,9 @@ def _run(
             events(given_up if kind == "unsafe" else loop.t, kind, sentence, data)
         blame = partial(whose_value, rig, plan, loop.phases)
         ending = _judge(outcome, loop.t, events, blame, plan.profile.argument)
+        if ending.code == EXIT_OK and not folder.log_path.exists():
+            lost = f"{folder.log_path} was removed while it was written: the record is lost"
+            return Ending(RunStatus.FAULTED, EXIT_FAULT, lost)
         flaws += [sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS)]
         return ending._replace(flaw="; ".join(flaws))
     except (KeyboardInterrupt, SystemExit) as error:

@@ -79,7 +79,7 @@ def ending_quietly() -> Iterator[None]:
     try:
         yield
     except BaseException:
-        if signal.getsignal(signal.SIGTERM) is signal.SIG_IGN:
+        if signal.getsignal(signal.SIGTERM) is _deaf:
             os._exit(0)
         raise
 
@@ -87,9 +87,13 @@ def ending_quietly() -> Iterator[None]:
 def _end(*_: object) -> None:
     """End in the orderly way, once; and soon, whoever takes that for an error of his own."""
     for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)
+        signal.signal(number, _deaf)  # to ignore one that has come already Python calls an error
     signal.setitimer(signal.ITIMER_REAL, _SOON)
     raise SystemExit
+
+
+def _deaf(*_: object) -> None:
+    """Leave a signal alone: the end has begun."""
 
 
 def _unraisable(lost: "sys.UnraisableHookArgs") -> None:

@@ -18,6 +18,10 @@ _PATIENCE = 2.0
 """An import that takes longer is interrupted, s."""
 
 
+_LAST_PATIENCE = 5.0
+"""An interrupted process that has not ended by then is ended, s."""
+
+
 class _Interrupt(KeyboardInterrupt):
     """Ctrl-C as this module raises it: if it gets lost, it is raised again.
 
@@ -125,9 +129,20 @@ def all_as_ctrl_c() -> Iterator[None]:
         sys.unraisablehook = hook
 
 
-def end_by_signals() -> None:
-    """Let signals end this process without a word: it has done what it was begun for."""
-    if threading.current_thread() is threading.main_thread():
-        for number in ENDING:
-            if signal.getsignal(number) is not signal.SIG_IGN:
-                signal.signal(number, signal.SIG_DFL)
+def end_by_signals(*, is_interrupted: bool) -> None:
+    """Let signals end this process without a word: it has done what it was begun for.
+
+    Parameters
+    ----------
+    is_interrupted : bool
+        One has ended it: no other changes how, while Python puts away what it has; one comes of
+        itself if that takes too long.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number in ENDING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, signal.SIG_IGN if is_interrupted else signal.SIG_DFL)
+    if is_interrupted:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_REAL, _LAST_PATIENCE)

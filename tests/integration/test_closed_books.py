@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,6 +55,26 @@ def raising(update, error, at):
         return update(self, state, reference)
 
     return updated
+
+
+@pytest.mark.parametrize("at", GENERATOR.integers(1, 1500, 2))
+def test_a_run_whose_folder_is_removed_has_not_gone_well(tmp_path, monkeypatch, at):
+    """What it did is lost with its log, so no bound of it is known to be kept."""
+    plan = load_plan("cylinder-sine", BRIEF, configs=CONFIGS)
+    update = type(plan.controller).update
+    calls = 0
+
+    def updated(self, state, reference):
+        nonlocal calls
+        calls += 1
+        if calls == at:
+            shutil.rmtree(next(tmp_path.iterdir()))
+        return update(self, state, reference)
+
+    monkeypatch.setattr(type(plan.controller), "update", updated)
+    result = run_experiment(plan, Backend.SIM, tmp_path)
+    assert (result.status, result.exit_code) == ("faulted", 4)
+    assert "removed while it was written" in result.message
 
 
 @pytest.mark.parametrize("at", GENERATOR.integers(1, 1500, 3))

@@ -157,3 +157,15 @@ cli.main()
 """
     ended = warm_start.run(["--help"], program, environment=environment(signal.SIGHUP))
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("number", ENDS)
+def test_a_second_one_while_python_ends_changes_nothing(number):
+    program = f"""{EARS}
+import atexit
+atexit.register(lambda: os.kill(os.getpid(), NUMBER))
+{TOLD_AT_ONCE}
+cli.main()
+"""
+    ended = warm_start.run(["--help"], program, environment=environment(number))
+    assert (ended.returncode, ended.stderr) == (130, "Interrupted.\n")

@@ -12,7 +12,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rig.installation import BENEATH, PACKAGES, missing_package
+from rig.installation import BENEATH, PACKAGES, missing_package, need
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -114,6 +114,8 @@ def test_what_draws_and_fits_is_missed_before_anything_moves(tmp_path, name, wor
 
 UNDER = [
     ("kiwisolver", "matplotlib", ("run", "cylinder-step", "--on", "sim", "--out", "runs")),
+    ("cycler", "matplotlib", BEFORE[1][1]),
+    ("dateutil", "matplotlib", BEFORE[2][1]),
     ("PIL", "matplotlib", ("report", "RUN")),
     ("llvmlite", "numba", SIMULATED),
     ("typing_extensions", "pydantic", ("check", "cylinder")),
@@ -128,6 +130,21 @@ def test_what_one_of_these_needs_is_told_with_it(tmp_path, done, name, above, wo
         f"error: {name}, which {above} needs, is not installed here: pip install {above}"
     )
     assert "Traceback" not in told.stderr
+    assert not list(tmp_path.rglob("log.mcap"))
+
+
+def test_only_what_the_installed_version_requires_is_missed(monkeypatch):
+    """A version to come may do without one of these."""
+    monkeypatch.setattr("rig.installation.find_spec", lambda name: name == "matplotlib" or None)
+    with pytest.raises(ModuleNotFoundError) as missed:
+        need("matplotlib")
+    assert missed.value.name in BENEATH
+    wanted = ["numpy>=1.25", "python-dateutil-next", "pillow; extra == 'dev'"]
+    monkeypatch.setattr("rig.installation.requires", lambda name: wanted)
+    need("matplotlib")
+    wanted.append("Pillow>=9")
+    with pytest.raises(ModuleNotFoundError, match="PIL"):
+        need("matplotlib")
 
 
 @pytest.mark.parametrize(("source", "is_told"), [("arm-wrist-hit", True), ("cylinder", False)])

@@ -91,7 +91,7 @@ def test_what_fails_at_the_later_commit_alone_is_a_regression(seed, repository):
         ("broken", "well", 2, "broken, and not at well: whether"),
         ("broken", "broken", 2, "broken and at broken: whether"),
     ):
-        ended = compared(repository, before, after, "--rounds", "2", "--only", "list runs")
+        ended = compared(repository, before, after, "--rounds", "4", "--only", "list runs")
         assert ended.returncode == code, ended.stdout + ended.stderr
         assert f"\n`rig list runs --out OUT` fails at {said}" in ended.stdout
         assert "rig list runs --out OUT fails: exit code 1\n" in ended.stderr
@@ -111,8 +111,8 @@ def test_what_got_slower_is_told_from_what_did_not():
 
 REFUSED = [
     (["well", "no-such"], "there is no commit no-such"),
-    (["well", "well", "--rounds", "1"], "2 rounds at least"),
-    (["well", "well", "--rounds=-1"], "2 rounds at least"),
+    (["well", "well", "--rounds", "3"], "4 rounds at least"),
+    (["well", "well", "--rounds=-1"], "4 rounds at least"),
     (["well", "well", "--only", "zzz"], "  check cylinder"),
 ]
 
@@ -139,7 +139,7 @@ def test_without_a_clone_or_git_a_line_says_so(repository, tmp_path):
 def test_what_is_not_committed_is_said_to_be_left_out(repository):
     commit(repository, "well")
     (repository / "rig" / "__main__.py").write_text("")
-    ended = compared(repository, "well", "well", "--rounds", "2", "--only", "list runs")
+    ended = compared(repository, "well", "well", "--rounds", "4", "--only", "list runs")
     assert "left out: what is not committed here, of 1 tracked files" in ended.stderr
 
 
@@ -197,7 +197,7 @@ def test_ctrl_c_is_told_while_it_imports(program, tmp_path):
 
 def test_a_table_that_cannot_be_written_is_no_success(repository):
     commit(repository, "well")
-    words = "well", "well", "--rounds", "2", "--only", "list runs"
+    words = "well", "well", "--rounds", "4", "--only", "list runs"
     with Path("/dev/full").open("w") as full:
         ended = compared(repository, *words, stdout=full)
     assert ended.returncode == 2
@@ -209,7 +209,7 @@ def test_who_does_not_read_the_table_is_told_nothing_of_it(repository):
     commit(repository, "well")
     ours, theirs = os.pipe()
     os.close(ours)
-    words = "well", "well", "--rounds", "2", "--only", "list"
+    words = "well", "well", "--rounds", "4", "--only", "list"
     ended = compared(repository, *words, stdout=theirs)
     os.close(theirs)
     assert ended.returncode in (0, 1, 2)  # 2: Python writes each line at once, if asked to
@@ -239,7 +239,7 @@ def test_a_disk_without_room_is_a_sentence(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("figure", ["/nonexistent/x.png", "x.txt", "/"])
+@pytest.mark.parametrize("figure", ["missing/x.png", "x.txt", "/"])
 def test_a_figure_that_cannot_be_drawn_is_refused_at_the_start(figure, tmp_path):
     words = [sys.executable, str(BENCHMARKS / "scale.py"), "--figure", figure]
     ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)

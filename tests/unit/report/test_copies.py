@@ -122,6 +122,11 @@ def work():
             finally:
                 tell_itself()
                 print("put away", flush=True)
+        if way == "together":  # as a terminal that closes and a parent that ends tell it
+            signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM, signal.SIGHUP])
+            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), signal.SIGHUP)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM, signal.SIGHUP])
         if way != "forked":
             time.sleep(60.0)
     print("went on", flush=True)
@@ -140,7 +145,14 @@ print(copy.exitcode, time.monotonic() - began < 30.0)
 
 @pytest.mark.parametrize(
     ("way", "says"),
-    [("dropped", []), ("turned", []), ("taken", []), ("twice", ["put away"]), ("forked", [])],
+    [
+        ("dropped", []),
+        ("turned", []),
+        ("taken", []),
+        ("twice", ["put away"]),
+        ("forked", []),
+        ("together", []),
+    ],
 )
 def test_a_copy_that_is_told_ends_soon_and_without_a_word(way, says):
     ended = warm_start.run([way], ENDED)
