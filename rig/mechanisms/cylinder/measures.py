@@ -125,7 +125,7 @@ def breakaway_pressure(windows: Windows) -> float:
 
 
 PAIR_MEASURES: dict[str, Measure] = {
-    "tracking_rms": Measure(rms_of(_error), "m", "rms error"),
+    "tracking_rms": Measure(rms_of(_error), "m", "rms of reference minus reading"),
     "tracking_max": Measure(greatest(_error), "m", "greatest absolute error"),
     "hold_rms": Measure(rms_of(_error), "m", "rms error while it holds"),
     "hold_max": Measure(greatest(_error), "m", "greatest absolute error while it holds"),
