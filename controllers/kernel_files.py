@@ -8,6 +8,7 @@ the one module that plants and laws share: it knows nothing of either.
 import contextlib
 import hashlib
 import io
+import logging
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,10 +16,11 @@ from pathlib import Path
 from typing import Final, TypeVar, cast
 
 import numba
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
+_LOG: Final = logging.getLogger(__name__)
 _LENGTH: Final = hashlib.sha256().digest_size
 _LEFT: Final = 3600.0
 """A file that is not whole after so long is of a process that was killed, s."""
@@ -30,8 +32,10 @@ def kept_kernel(function: Function) -> Function:
     Where no file can be written it is compiled in each process.
     """
     kernel = numba.njit(error_model="numpy")(function)
-    with contextlib.suppress(RuntimeError):  # numba found no folder that it may write to
+    try:
         kernel._cache = _KernelCache(function)
+    except RuntimeError:  # numba found no folder that it may write to
+        kernel._cache = _NoFiles()
     return cast(Function, kernel)
 
 
@@ -43,12 +47,26 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         stamp = self._impl.locator.get_source_stamp()
         self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
 
+    def load_overload(self, sig: object, target_context: object) -> object:
+        found = super().load_overload(sig, target_context)
+        if found is None:  # then it is compiled, which takes seconds: whoever waits may hear of it
+            _LOG.info("compiling kernels for this machine, once")
+        return found
+
     def save_overload(self, sig: object, data: object) -> None:
         # A disk that is full, or not writable any more, must not end what the kernel is for; nor
         # need anybody be warned of a kernel that numba keeps none of, compiled as it was told to.
         with contextlib.suppress(OSError), warnings.catch_warnings():
             warnings.simplefilter("ignore", numba.NumbaWarning)
             super().save_overload(sig, data)
+
+
+class _NoFiles(NullCache):  # type: ignore[misc]
+    """Says that a kernel is compiled, and by each process anew."""
+
+    def load_overload(self, sig: object, target_context: object) -> object:
+        _LOG.info("compiling kernels, which no folder here can keep")
+        return super().load_overload(sig, target_context)
 
 
 class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]

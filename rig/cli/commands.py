@@ -9,6 +9,7 @@ import time
 import click
 
 from rig.cli.command_table import COMMANDS, INTRODUCTION
+from rig.cli.patience import told_of_compiling
 from rig.cli.tables import brief, print_json, printed_so_far, visible
 from rig.installation import missing_package
 
@@ -82,7 +83,8 @@ def _keep_refusal(words: list[str], code: int, error: str, began: float) -> None
 def _invoked(arguments: list[str] | None) -> tuple[int, str]:
     """Return the exit code, and what went wrong if that was said as an error."""
     try:
-        result: object = group.main(args=arguments, prog_name="rig", standalone_mode=False)
+        with told_of_compiling():
+            result: object = group.main(args=arguments, prog_name="rig", standalone_mode=False)
     except click.exceptions.Abort as error:
         # Click takes an EOFError for the end of what is typed, whoever raised it; where something
         # is typed, it leaves none behind.

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from rig.cli.names import OneOf, json_option, run_argument, runs_beside_out_option
+from rig.cli.patience import told_of_log
 from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
@@ -38,9 +39,11 @@ def export(run: str, format: str, out: Path | None, runs: Path, as_json: bool) -
     """
     path = find_run(run, runs)
     from rig.export import export_run
+    from rig.run_facts import LOG
     from rig.runtime.ending_signals import all_as_ctrl_c
 
-    with all_as_ctrl_c():  # what was begun is taken away
+    # What was begun is taken away.
+    with all_as_ctrl_c(), told_of_log(f"writing the log as {format}", path / LOG):
         made = export_run(path, format, out)
     if as_json:
         print_json({"path": made.path, "missing": made.missing})

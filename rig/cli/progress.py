@@ -42,6 +42,13 @@ class ProgressLine(TerminalLine, Watcher):
         """Pass a sentence on."""
         self._tell(sentence)
 
+    def working(self, what: str) -> None:
+        """Say what is waited for; on a terminal until it is done."""
+        if self.is_seen:
+            self.draw(f"{what} …")
+        else:
+            self._tell(f"{what} …")
+
     def progressed(self, progress: Progress) -> None:
         """Redraw the line if it is time to."""
         now = monotonic()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import complete_run, json_option, run_argument, runs_option
+from rig.cli.patience import told_of_log
 from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 from rig.run_names import find_run
 
@@ -59,12 +60,14 @@ def _written(path: Path, other: Path | None, rehearse: bool) -> tuple[Beside | N
     """Write the report; return what was drawn over the run, and the page."""
     from rig.hal import ConfigurationError
     from rig.report.regenerate import write_report
+    from rig.run_facts import LOG
     from rig.run_folder import RunFolderError
 
     try:
         compared = _compare(path, other, rehearse)
         figures = () if compared is None else tuple(compared.files[:1])
-        return compared, write_report(path, figures)
+        with told_of_log("measuring, and drawing figures", path / LOG):
+            return compared, write_report(path, figures)
     except (OSError, RunFolderError) as error:
         why = str(error)
         if isinstance(error, OSError):

@@ -45,5 +45,8 @@ class Watcher:
     def said(self, sentence: str) -> None:
         """Pass one sentence to the operator."""
 
+    def working(self, what: str) -> None:
+        """Take note of what is done now that the rig is safe, and takes its time."""
+
     def progressed(self, progress: Progress) -> None:
         """Take note that some cycles went by."""

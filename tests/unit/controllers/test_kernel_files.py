@@ -214,3 +214,23 @@ def test_what_was_written_with_another_library_is_compiled_anew(write, monkeypat
         patched.setattr(caching.pickle, "loads", fails)
         assert not called(law, chance)
     assert called(law, chance)
+
+
+def test_who_waits_is_told_of_what_is_compiled_and_of_nothing_else(write, caplog):
+    caplog.set_level("INFO", "controllers.kernel_files")
+    module, chance = write(), np.random.default_rng(5)
+    assert not called(module.law, chance)
+    assert [record.getMessage() for record in caplog.records] == [
+        "compiling kernels for this machine, once"
+    ]
+    assert called(module.law, chance)
+    assert len(caplog.records) == 1
+
+
+def test_who_waits_is_told_that_nothing_is_kept(write, caplog, monkeypatch):
+    caplog.set_level("INFO", "controllers.kernel_files")
+    module = write()
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    assert not called(module.law, np.random.default_rng(6))
+    (record,) = caplog.records
+    assert record.getMessage() == "compiling kernels, which no folder here can keep"
