@@ -171,6 +171,21 @@ def read_events(folder: Path) -> list[Event]:
     return events
 
 
+def has_moved(folder: Path) -> bool:
+    """Return whether a run got as far as its first cycle, or may have.
+
+    Raises
+    ------
+    ConfigurationError
+        See `read_events`.
+    """
+    if (folder / TIMING).exists():
+        return True
+    states = [event for event in read_events(folder) if event.get("kind") == "state"]
+    is_early = {"disconnected", "idle"}.issuperset
+    return not is_early(event.get("data", {}).get("new") for event in states)
+
+
 def _check_format(manifest: dict[str, object]) -> None:
     said = manifest.get("format", FORMAT)
     if not isinstance(said, int) or said <= FORMAT:

@@ -13,6 +13,7 @@ from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_f
 from rig.commissioning.permission import as_commissioned
 from rig.config.calibration_state import sentences_of_bases
 from rig.config.records import sentences_of_records
+from rig.experiment.by_hand import draw, telling_where
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -176,6 +177,7 @@ def run_experiment(
                 stack.callback(rig.close)
                 watcher.built(rig)
                 folder = create_folder(plan, backend, on, out, overrides, frames, command)
+                stack.enter_context(telling_where(folder.path, watcher))
                 stack.enter_context(ClosedBooks(folder, stop))
                 stop.expose()
                 if frame_log is not None:
@@ -210,12 +212,8 @@ def run_experiment(
             raise ending.bug  # the rig is safe by now, and the traceback is wanted
         is_late = stop.count > stop.heard  # it came when the loop had ended
         if report and ending.bug is None:
-            if is_late or ending.status is RunStatus.ABORTED:  # the prompt is wanted back at once
-                later = f"draw them with: rig report {folder.path}"
-                watcher.said(f"ended by hand, so no figures are drawn; {later}")
-            else:
-                for sentence in reporter.write(folder.path):
-                    watcher.said(sentence)
+            by_hand = is_late or ending.status is RunStatus.ABORTED
+            draw(reporter, folder.path, watcher, by_hand=by_hand)
         if is_late and is_ours and ending.status in (RunStatus.OK, RunStatus.FAILED):
             raise KeyboardInterrupt  # as after these lines: nobody is to go on to something else
     return Result(
@@ -313,6 +311,7 @@ def _run(
                 watcher.said(sentence)
                 events(loop.t, "never", sentence, {})
         given_up = loop.t if loop.start is None else rig.clock.now() - loop.start
+        watcher.working("measuring")
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
         said += after_run(rig, outcome.fault, folder.log_path)
         said = [(of, say_for_rig(what, plan.profile.argument), data) for of, what, data in said]

@@ -14,7 +14,14 @@ from rig.explaining.faults import FaultTopic, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
 from rig.hal.hindsight import HUNTS, STICKS
-from rig.run_facts import EVALUATION, Manifest, RunStatus, read_events, read_metrics
+from rig.run_facts import (
+    EVALUATION,
+    Manifest,
+    RunStatus,
+    has_moved,
+    read_events,
+    read_metrics,
+)
 from rig.run_folder import RunFolder
 
 _DIAGNOSIS = "diagnosis"
@@ -131,6 +138,9 @@ def explain_run(folder: Path) -> list[Remark]:
     if status == RunStatus.ABORTED:
         means = "Somebody stopped it, and the rig was made safe."
         again = f"`rig report {folder.name}` draws what there is; the same command runs it anew."
+        if not has_moved(folder):
+            means = "Somebody stopped it before its first cycle: nothing was moved."
+            again = "There is nothing to draw; the same command runs it anew."
         of = _remarks(seen[0], folder, names) if seen else ()
         return [*said, Remark("means", means), *(of or (Remark("next", again),))]
     told = [*_suspected(folder), _cause_in(message or "")]  # what looked longest knows best

@@ -128,6 +128,28 @@ print(rig.run("cylinder-step", on="sim", set=short, stop=stop).status)
 
 
 @pytest.mark.parametrize("number", ENDS)
+def test_before_its_first_cycle(number, tmp_path):
+    program = f"""{EARS}
+from rig.experiment import run
+inside = run.create_folder
+def told(*arguments):
+    folder = inside(*arguments)
+    os.kill(os.getpid(), NUMBER)
+    return folder
+run.create_folder = told
+from rig.cli import main; main()
+"""
+    ended = warm_start.run(SHORT, program, folder=tmp_path, environment=environment(number))
+    run, status = run_of(tmp_path)
+    assert (ended.returncode, status) == (130, "aborted")
+    left = f"ended before its first cycle: nothing was moved; it left runs/{run.name}"
+    assert ended.stderr.splitlines() == [left, "", "Interrupted."]  # begun anew after ^C
+    told = warm_start.run(["explain", run], folder=tmp_path)
+    assert "Somebody stopped it before its first cycle: nothing was moved." in told.stdout
+    assert "made safe" not in told.stdout and "rig report" not in told.stdout
+
+
+@pytest.mark.parametrize("number", ENDS)
 def test_while_it_draws(number, tmp_path):
     program = f"""{EARS}
 os.sched_getaffinity = lambda _: {{0, 1}}
@@ -144,6 +166,8 @@ from rig.cli import main; main()
     run, status = run_of(tmp_path)
     assert ended.returncode == 130 and status in ("ok", "failed")
     assert ended.stderr.splitlines()[-1] == "Interrupted." and "Traceback" not in ended.stderr
+    assert f"the run is whole in runs/{run.name}, its figures are not" in ended.stderr
+    assert f"draw them with: rig report runs/{run.name}" in ended.stderr
     drawer = (run / "figures" / "drawer").read_text()
     assert not Path("/proc", drawer).exists()
 
