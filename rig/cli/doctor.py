@@ -61,16 +61,17 @@ def doctor(
     if rig is not None:
         profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
     loop = LoopSettings(rate=1000.0) if profile is None else profile.loop
-    found = list(look_at_computer(out, loop.priority))
+    computer = tuple(look_at_computer(out, loop.priority))
+    found = list(computer)
     found += look_at_ports() if profile is None else look_at_wiring(profile)
     at = loop.rate if rate is None else rate
     idle = measure_wakeups(at, _QUICK, loop.priority, loop.cpu, spin=loop.spin)
-    found.append(judge(idle, "as it is"))
+    found.append(judge(idle, "as it is", computer))
     if seconds is not None:
         with abuse() as load:
             click.echo(f"{seconds:g} s with {load} …", err=True)
             busy = measure_wakeups(at, seconds, loop.priority, loop.cpu, spin=loop.spin)
-        found.append(judge(busy, f"loaded for {seconds:g} s"))
+        found.append(judge(busy, f"loaded for {seconds:g} s", computer))
     _show(found, as_json=as_json)
     return EXIT_UNFIT if any(one.verdict is Fitness.NO for one in found) else 0
 

@@ -19,6 +19,8 @@ from rig.doctor.look import Fitness, Look
 from rig.hal.files import how_to_write
 from rig.runtime.realtime import timer_slack
 
+KERNEL, REAL_TIME = "kernel", ", PREEMPT_RT"
+"""What the line of the kernel is called, and how it says that this one is for real time."""
 _LIBRARIES: Final = ("numpy", "scipy", "numba", "python-can", "canopen", "pydantic", "mcap")
 _GIBI: Final = 2**30
 _MOST_SLACK: Final = 1000
@@ -56,11 +58,11 @@ def look_at_computer(folder: Path, priority: int, system: Path = _SYSTEM) -> Ite
 def _kernel(system: Path) -> Look:
     release = f"{platform.system()} {platform.release()}"
     if sys.platform != "linux":
-        return Look("kernel", release, Fitness.NO, "hardware is run on Linux; simulation is not")
+        return Look(KERNEL, release, Fitness.NO, "hardware is run on Linux; simulation is not")
     real_time = system / "kernel/realtime"
     if real_time.exists() and real_time.read_text().strip() == "1":
-        return Look("kernel", f"{release}, PREEMPT_RT", Fitness.OK)
-    return Look("kernel", f"{release}, without PREEMPT_RT", Fitness.OK)
+        return Look(KERNEL, f"{release}{REAL_TIME}", Fitness.OK)
+    return Look(KERNEL, f"{release}, without PREEMPT_RT", Fitness.OK)
 
 
 def _scheduling(priority: int) -> Look:

@@ -8,12 +8,13 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Final, NamedTuple
 
 import numpy as np
 
+from rig.doctor.computer import KERNEL, REAL_TIME
 from rig.doctor.look import Fitness, Look
 from rig.hal.clock import SPIN, MonotonicClock
 from rig.runtime.realtime import real_time
@@ -111,8 +112,18 @@ def abuse() -> Iterator[str]:
         yield f"{processors} busy processes, one that writes to the disk, one that fills memory"
 
 
-def judge(wakeups: Wakeups, under: str) -> Look:
-    """Return what wake-ups under a load mean for a loop."""
+def judge(wakeups: Wakeups, under: str, computer: Sequence[Look] = ()) -> Look:
+    """Return what wake-ups under a load mean for a loop.
+
+    Parameters
+    ----------
+    wakeups : Wakeups
+        As measured.
+    under : str
+        The load, in words.
+    computer : sequence of Look
+        What was found of the computer. Its own lines say how what is poor there is mended.
+    """
     period = wakeups.period
     what = f"wake-ups at {1.0 / period:g} Hz, {under}"
     found = (
@@ -121,14 +132,22 @@ def judge(wakeups: Wakeups, under: str) -> Look:
     )
     if wakeups.p999 <= _GOOD * period and not wakeups.missed:
         return Look(what, found, Fitness.OK)
-    mend = (
-        "`ulimit -r 99` and `cpupower frequency-set -g performance`, if poor above; then "
-        "`apt install linux-image-rt-amd64` (PREEMPT_RT), and loop.cpu on a processor that "
-        "`isolcpus=` keeps free"
-    )
+    mend = _mend(computer)
     if wakeups.p99 <= period:
-        return Look(what, found, Fitness.POOR, mend)
-    return Look(what, found, Fitness.NO, f"{mend}; a lower loop.rate")
+        why = f"ok is p99.9 within {_us(_GOOD * period)} and none missed: {mend}"
+        return Look(what, found, Fitness.POOR, why)
+    why = f"p99 has to be within the period, {_us(period)}: {mend}; a lower loop.rate"
+    return Look(what, found, Fitness.NO, why)
+
+
+def _mend(computer: Sequence[Look]) -> str:
+    """Return what may help beyond what is told of the computer already."""
+    poor = [one.what for one in computer if one.verdict is Fitness.POOR and one.mend]
+    is_real_time = any(one.what == KERNEL and REAL_TIME in one.found for one in computer)
+    first = [f"what is poor above ({', '.join(poor)})"] if poor else []
+    kernel = [] if is_real_time else ["`apt install linux-image-rt-amd64` (PREEMPT_RT)"]
+    processor = "loop.cpu on a processor that `isolcpus=` keeps free"
+    return "; then ".join([*first, ", and ".join([*kernel, processor])])
 
 
 def _us(seconds: float) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rig.doctor import wakeups
-from rig.doctor.look import Fitness
+from rig.doctor.look import Fitness, Look
 from rig.doctor.wakeups import Wakeups, abuse, judge, measure_wakeups
 
 PERIOD = 1e-3
@@ -55,6 +55,39 @@ def test_wakeups_are_judged_by_the_period(p99, p999, missed, verdict):
     assert found.verdict is verdict
     assert f"{missed} of 10000 missed" in found.found
     assert bool(found.mend) is (verdict is not Fitness.OK)
+
+
+def test_what_is_poor_has_its_bound():
+    told = [
+        judge(Wakeups(PERIOD, 10_000, 1e-5, p99, 2e-4, 3e-3, 1), "as it is").mend
+        for p99 in (1e-4, 2e-3)
+    ]
+    assert told[0].startswith("ok is p99.9 within 100 us and none missed: ")
+    assert told[1].startswith("p99 has to be within the period, 1000 us: ")
+
+
+FIFO = "SCHED_FIFO at priority 80"
+CLOCK = "clock of the processors"
+
+
+@pytest.mark.parametrize(
+    ("poor", "kernel", "begins"),
+    [
+        ((), "Linux 6.1, without PREEMPT_RT", "`apt install linux-image-rt-amd64` (PREEMPT_RT), "),
+        ((), "Linux 6.1, PREEMPT_RT", "loop.cpu on a processor"),
+        ((FIFO,), "Linux 6.1, PREEMPT_RT", f"what is poor above ({FIFO}); then loop.cpu"),
+        ((FIFO, CLOCK), "Linux 6.1, PREEMPT_RT", f"what is poor above ({FIFO}, {CLOCK}); then "),
+    ],
+)
+def test_nothing_is_mended_that_is_well(poor, kernel, begins):
+    computer = [Look("kernel", kernel, Fitness.OK)]
+    for what in (FIFO, CLOCK):
+        is_poor = what in poor
+        computer.append(Look(what, "", Fitness.POOR if is_poor else Fitness.OK, "x" * is_poor))
+    found = judge(Wakeups(PERIOD, 10_000, 1e-5, 1e-4, 2e-4, 3e-3, 1), "as it is", computer)
+    _, _, mend = found.mend.partition(": ")
+    assert mend.startswith(begins)
+    assert "ulimit" not in mend and "cpupower" not in mend
 
 
 def test_a_load_ends_with_its_measurement(monkeypatch):
