@@ -1,9 +1,32 @@
 """What the installation lacks: packages that this program needs, and who cannot do without them."""
 
 import re
+import shlex
 from importlib.metadata import PackageNotFoundError, requires
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Final
+
+_CLONE: Final = Path(__file__).parents[1]
+_EXTRAS: Final = {
+    "aiohttp": "watch",
+    "distributed": "dask",
+    "evdev": "gamepad",
+    "pyarrow": "parquet",
+}
+"""Which extra of ours brings what is imported by a name."""
+
+
+def installing(name: str) -> str:
+    """Return the command that installs what is imported by a name and comes with an extra of ours.
+
+    A clone is installed as the pages say, from wherever that is asked for. Elsewhere the package
+    itself is named: no index need have ours.
+    """
+    if not (_CLONE / "pyproject.toml").is_file():
+        return f"pip install {name}"
+    return f"pip install -e {shlex.quote(f'{_CLONE}[{_EXTRAS[name]}]')}"
+
 
 PACKAGES: Final = {
     "annotated_types": "annotated-types",
@@ -24,11 +47,11 @@ PACKAGES: Final = {
     "scipy": "scipy",
     "serial": "pyserial",
     "yaml": "pyyaml",
-    "aiohttp": "'rig-controller[watch]'",
-    "distributed": "'rig-controller[dask]'",
-    "evdev": "'rig-controller[gamepad]'",
+    "aiohttp": "aiohttp",
+    "distributed": "distributed",
+    "evdev": "evdev",
     "msgpack": "'python-can[multicast]'",
-    "pyarrow": "'rig-controller[parquet]'",
+    "pyarrow": "pyarrow",
 }
 """What pip installs, by the name of what is imported."""
 
@@ -76,7 +99,8 @@ def missing_package(error: BaseException) -> str | None:
         return f"{name}, which {above} needs, is not installed here: pip install {PACKAGES[above]}"
     if name not in PACKAGES:
         return None
-    return f"{name} is not installed here: pip install {PACKAGES[name]}"
+    command = installing(name) if name in _EXTRAS else f"pip install {PACKAGES[name]}"
+    return f"{name} is not installed here: {command}"
 
 
 def need(*names: str) -> None:

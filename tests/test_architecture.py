@@ -99,6 +99,7 @@ ALLOWED = [
             "rig.runtime",
             "rig.config",
             "rig.hal",
+            "rig.installation",
             "controllers",
         ),
     ),

@@ -18,9 +18,10 @@ from rig.run_names import LATEST, find_run
 def check_page() -> None:
     """Raise a `ConfigurationError` if a page cannot be served here: before a run, not in it."""
     from rig.hal import ConfigurationError
+    from rig.installation import installing
 
     if importlib.util.find_spec("aiohttp") is None:
-        raise ConfigurationError("the page needs aiohttp: pip install 'rig-controller[watch]'")
+        raise ConfigurationError(f"the page needs aiohttp: {installing('aiohttp')}")
 
 
 @click.command()

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from rig.hal import ConfigurationError
+from rig.installation import installing
 from rig.runtime.log import LogError, LogFile
 
 _ROW_GROUP = 50_000
@@ -40,9 +41,7 @@ def write_parquet(file: LogFile, target: Path) -> None:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError as error:
-        raise ConfigurationError(
-            "parquet needs pyarrow: pip install 'rig-controller[parquet]'"
-        ) from error
+        raise ConfigurationError(f"parquet needs pyarrow: {installing('pyarrow')}") from error
     fields = [pa.field("cycle", pa.uint64()), pa.field("t", pa.float64(), metadata={"unit": "s"})]
     for column in file.columns:
         told = {"unit": column.unit, "description": column.description}

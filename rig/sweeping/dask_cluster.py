@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 from rig.hal import ConfigurationError
 from rig.hal.errors import ConnectionFailed
 from rig.hal.files import read_regular
+from rig.installation import installing
 from rig.sweeping.dask_worker import pack, run_here
 from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
@@ -174,7 +175,7 @@ def _connect(address: str) -> "Client":
         from distributed import Client
     except ImportError as error:
         raise ConfigurationError(
-            "--dask takes Dask distributed: pip install 'rig-controller[dask]'"
+            f"--dask takes Dask distributed: {installing('distributed')}"
         ) from error
     # Lost connections are said in a sentence of our own.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)

@@ -175,11 +175,13 @@ def write_sweep(folder: Path, rows: SweepRows, end: SweepEnd, say: Callable[[str
         They cannot be written.
     """
     columns = rows.columns()
+    is_first = not (folder / CSV).exists()
     write_csv(folder, columns, rows)
     try:
         write_parquet(folder, columns, iter(rows))
     except ConfigurationError as error:
-        say(str(error))
+        if is_first:  # not again whenever the sweep goes on
+            say(str(error))
     data = SweepData.of(tuple(columns.settings), rows)
     if VARIATION in data.settings:
         write_variations(folder, data)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
+from rig.installation import installing
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
 from rig.whole_file import whole_file
@@ -144,7 +145,7 @@ def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> P
         from pyarrow.parquet import ParquetWriter
     except ImportError as error:
         raise ConfigurationError(
-            "there is no sweep.parquet: it takes pyarrow, pip install 'rig-controller[parquet]'"
+            f"there is no sweep.parquet: it takes pyarrow, {installing('pyarrow')}"
         ) from error
     types: dict[type, DataType] = {
         int: pyarrow.int64(), float: pyarrow.float64(), str: pyarrow.string()

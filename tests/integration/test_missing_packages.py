@@ -2,6 +2,7 @@
 
 import ast
 import os
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -12,7 +13,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rig.installation import BENEATH, PACKAGES, missing_package, need
+from rig.installation import BENEATH, PACKAGES, installing, missing_package, need
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -26,6 +27,8 @@ class Missing:
 
 sys.meta_path.insert(0, Missing())
 """
+EXTRAS = ("dask", "gamepad", "multicast", "parquet", "watch")
+"""Of ours, that bring what a user may lack."""
 RUN = ("run", "cylinder-step", "--no-report", "--out", "runs")
 SIMULATED = (*RUN, "--on", "sim")
 CASES = [
@@ -160,14 +163,26 @@ def test_pip_knows_every_package_by_that_name():
     extras = PROJECT["optional-dependencies"]
     for package in PACKAGES.values():
         wanted = Requirement(package.strip("'"))
-        if wanted.name == "rig-controller":
-            assert wanted.extras <= extras.keys()
-        else:
-            texts = [*PROJECT["dependencies"], *extras["multicast"]]
-            assert any(
-                wanted.name == (one := Requirement(text)).name and wanted.extras <= one.extras
-                for text in texts
-            )
+        texts = [*PROJECT["dependencies"]]
+        texts += (text for name in EXTRAS for text in extras[name])
+        assert any(
+            wanted.name == (one := Requirement(text)).name and wanted.extras <= one.extras
+            for text in texts
+        )
+
+
+@pytest.mark.parametrize("name", ["aiohttp", "distributed", "evdev", "pyarrow"])
+def test_an_extra_is_installed_as_the_pages_install(name, monkeypatch, tmp_path):
+    pip, install, option, what = shlex.split(installing(name))
+    assert (pip, install, option) == ("pip", "install", "-e")
+    folder, _, extra = what.removesuffix("]").partition("[")
+    assert Path(folder) == ROOT and extra in EXTRAS
+    texts = PROJECT["optional-dependencies"][extra]
+    assert name in {Requirement(text).name for text in texts}
+    told = missing_package(ModuleNotFoundError(f"No module named {name!r}", name=name))
+    assert told == f"{name} is not installed here: {installing(name)}"
+    monkeypatch.setattr("rig.installation._CLONE", tmp_path)  # no clone: ours is on no index
+    assert installing(name) == f"pip install {name}"
 
 
 def test_every_package_that_is_needed_is_known():

@@ -256,13 +256,16 @@ def test_a_scheduler_that_is_not_there(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
 
 
-def test_without_pyarrow_there_is_a_csv_and_a_sentence(tmp_path, monkeypatch):
+def test_without_pyarrow_there_is_a_csv_and_a_sentence_once(tmp_path, monkeypatch, capsys):
     import sweep_stub
 
     monkeypatch.syspath_prepend(Path(__file__).parent)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    sweep_stub.sweep(tmp_path, 1, 4)
+    sweep_stub.sweep(tmp_path, 1, 4, quiet=False)
     assert (tmp_path / "sweep.csv").exists() and not (tmp_path / "sweep.parquet").exists()
+    assert capsys.readouterr().err.count("it takes pyarrow, pip install") == 1
+    sweep_stub.sweep(tmp_path, 1, 4, quiet=False)
+    assert "pyarrow" not in capsys.readouterr().err
 
 
 def test_help_needs_nothing_heavy():

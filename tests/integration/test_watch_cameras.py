@@ -12,7 +12,7 @@ from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 from rig.watching.messages import CAMERA
 
-aiohttp = pytest.importorskip("aiohttp", reason="pip install 'rig-controller[watch]'")
+aiohttp = pytest.importorskip("aiohttp", reason="pip install -e '.[watch]'")
 cv2 = pytest.importorskip("cv2")
 pytestmark = pytest.mark.slow
 

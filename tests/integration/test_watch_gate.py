@@ -19,7 +19,7 @@ from watched import LOCAL, served_folder, server_of, watched_run
 from rig.replaying.difference import first_difference
 from rig.run_folder import RunFolder, RunStatus
 
-aiohttp = pytest.importorskip("aiohttp", reason="pip install 'rig-controller[watch]'")
+aiohttp = pytest.importorskip("aiohttp", reason="pip install -e '.[watch]'")
 
 WAIT = 30.0
 DEAF = 10

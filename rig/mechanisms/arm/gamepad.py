@@ -14,6 +14,7 @@ from controllers.arm.online.twist_file import Row
 from controllers.arm.types import AT_REST
 from controllers.motion import InfeasibleMotion
 from rig.hal.device_files import device_trouble, may_open, permitting
+from rig.installation import installing
 
 if TYPE_CHECKING:
     from evdev import InputDevice
@@ -160,7 +161,7 @@ def _open(path: str) -> "InputDevice[str]":
     except ImportError as error:
         raise InfeasibleMotion(
             "arm-gamepad reads the gamepad by evdev, which is not installed: "
-            "pip install 'rig-controller[gamepad]'."
+            f"{installing('evdev')}."
         ) from error
     found = path
     try:

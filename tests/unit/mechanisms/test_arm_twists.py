@@ -315,7 +315,7 @@ def test_a_simulation_keeps_to_the_time_of_whoever_holds_a_gamepad(pad):
 
 def test_what_is_missing_is_said(monkeypatch):
     monkeypatch.setitem(sys.modules, "evdev", None)
-    with pytest.raises(InfeasibleMotion, match=r"pip install 'rig-controller\[gamepad\]'"):
+    with pytest.raises(InfeasibleMotion, match=r"pip install -e .*\[gamepad\]"):
         GamepadTwists().known()
     empty = SimpleNamespace(InputDevice=None, list_devices=list)
     monkeypatch.setitem(sys.modules, "evdev", empty)
