@@ -79,10 +79,12 @@ def compare(
     from rig.cli.announce import may_move
     from rig.cli.compared_table import table_lines
     from rig.experiment.plan import load_plan
+    from rig.hal.files import check_writable
     from rig.installation import need
     from rig.report.compare import compare_metrics, draw_comparison
 
     need("matplotlib")
+    check_writable(out, "run folders")
     options = with_seed(overrides, seed)
     with told_if_long("planning the motion"):
         plan = load_plan(experiment, options, rig=rig_name, configs=configs)

@@ -74,6 +74,7 @@ def test_a_folder_of_configurations_that_may_not_be_read_is_named(own, closed):
         (["new", "rig", "mine"], "cannot write mine.yaml: Permission denied; take it"),
         (["new", "driver", "mine"], "cannot write mine: Permission denied; take it"),
         (["commission", "cylinder"], "run folders cannot be kept in runs: "),
+        (["compare", "cylinder-step", "--on", "sim"], "run folders cannot be kept in runs: "),
         (["commission", "cylinder", "--out", "/tmp"], "the record of cylinder cannot be kept in "),
     ],
 )
