@@ -107,6 +107,12 @@ class MetricRows(TypedDict):
     metrics: list[MetricRow]
 
 
+def never_came(metric: MetricRow) -> bool:
+    """Return whether a metric times what never happened; a value that is none may be unseen."""
+    is_unseen = metric.get("bound") is not None and metric.get("pass") is None
+    return metric["value"] is None and not metric.get("is_nan", False) and not is_unseen
+
+
 class Event(TypedDict, total=False):
     """One line of ``events.jsonl``; `t` is on the rig's clock, s."""
 

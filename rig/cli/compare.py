@@ -77,7 +77,7 @@ def compare(
     and the table has the runs that were done.
     """
     from rig.cli.announce import may_move
-    from rig.cli.compared_table import table_lines
+    from rig.cli.compared_table import saying_never, table_lines
     from rig.experiment.plan import load_plan
     from rig.hal.files import check_writable
     from rig.installation import need
@@ -141,7 +141,8 @@ def compare(
         if as_json:
             print_json({**content, "loops": margins})
         else:
-            print_data("\n".join(table_lines(columns, rows, endings, margins)))
+            told = saying_never(rows, paths)
+            print_data("\n".join(table_lines(columns, told, endings, margins)))
             _say_missed({label: result.path for label, result in finished.items()})
         kept = "compare.json" if interrupted else "compare.png"
         click.echo(f"{'table' if interrupted else 'figure'}: {folder / kept}", err=True)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from rig.hal.formats import unit_for_people
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rig.report.comparison import ComparisonRow
 
 
@@ -47,6 +49,29 @@ def table_lines(
         texts += [text.rjust(width) for text, width in zip(line[1:], widths[1:], strict=True)]
         lines.append("  ".join(texts).rstrip())
     return lines
+
+
+def saying_never(rows: Sequence[ComparisonRow], runs: Sequence[Path]) -> list[ComparisonRow]:
+    """Return rows that say so of what a run has measured and what never came.
+
+    Parameters
+    ----------
+    rows : sequence of ComparisonRow
+        The first numbers of each are those of the runs, in their order.
+    runs : sequence of Path
+        Run folders.
+    """
+    from rig.run_facts import never_came, read_metrics
+
+    never = [{one["name"] for one in read_metrics(run) if never_came(one)} for run in runs]
+    told: list[ComparisonRow] = []
+    for row in rows:
+        values = list(row["values"])
+        for k, names in enumerate(never):
+            if values[k] is None and row["name"] in names:
+                values[k] = "never"
+        told.append({**row, "values": values})
+    return told
 
 
 def _cells(row: ComparisonRow) -> list[str]:

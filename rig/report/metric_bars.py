@@ -8,6 +8,7 @@ import numpy as np
 from rig.report.comparison import Comparison, color_of, metric_values, write_value
 from rig.report.data import RunData
 from rig.report.style import INK, PAGE, length_scale, new_figure
+from rig.run_facts import never_came
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,6 +65,8 @@ def draw_metrics(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         for row, value in enumerate(values):
             if np.isfinite(value):
                 write_value(axes, f"{value:.3g}", max(value, 0.0), row)
+            elif any(one["name"] == name and never_came(one) for one in runs[row].metrics):
+                write_value(axes, "never", 0.0, row)
         axes.set_yticks(range(len(runs)), labels=labels if number % 3 == 0 else [""] * len(runs))
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)

@@ -4,12 +4,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.report.style import BLUE, GREY, INK, VERMILION, length_scale
+from rig.hal.formats import unit_for_people
+from rig.report.style import BLUE, GREY, INK, VERMILION
 from rig.sweeping.data import MetricColumn, SweepData
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
+
+NEVER = "never"
+"""Is said of what never came, as in tables."""
 
 
 def draw_curve(axes: "Axes", data: SweepData, metric: str, setting: str) -> None:
@@ -27,6 +31,7 @@ def draw_curve(axes: "Axes", data: SweepData, metric: str, setting: str) -> None
         axes.plot(places, worst, color=VERMILION, lw=0.7, ls=(0, (4, 2)), label="worst")
     axes.plot(places, spread[:, 1], "o-", ms=2.5, color=BLUE, label="median")
     _mark_failed(axes, x[data.failed])
+    _mark_never(axes, column, x)
     if _is_logarithmic(places):
         axes.set_xscale("log")
     axes.set_xlabel(setting)
@@ -49,6 +54,7 @@ def draw_groups(axes: "Axes", data: SweepData, metric: str, setting: str | None)
     aside = 0.12 * np.sin(2.4 * np.arange(len(y)))  # beside each other where many are alike
     axes.plot(x + aside, y, ".", ms=2.0, color=GREY, zorder=1)
     _mark_failed(axes, x[data.failed])
+    _mark_never(axes, column, x)
     axes.set_xticks(range(len(names)), labels=[str(name) for name in names])
     axes.set_xlim(-0.6, len(names) - 0.4)
     axes.set_xlabel(setting or f"{len(y)} points")
@@ -56,13 +62,11 @@ def draw_groups(axes: "Axes", data: SweepData, metric: str, setting: str | None)
 
 
 def scale_of(column: MetricColumn) -> tuple[float, str]:
-    """Return factor and unit in which a metric reads best."""
-    if column.unit == "m":
-        values = np.abs(column.values)
-        return length_scale(float(np.nanmax(values)) if np.isfinite(values).any() else 1.0)
-    if column.unit == "Pa":
-        return 1e-3, "kPa"
-    return 1.0, column.unit
+    """Return factor and unit in which a metric's greatest number is told in a table."""
+    values = np.abs(column.values)
+    greatest = float(np.nanmax(values)) if np.isfinite(values).any() else 0.0
+    name, scale = unit_for_people(greatest or column.bound or 0.0, column.unit)
+    return 1.0 / scale, name
 
 
 def _spread(values: "NDArray[np.float64]") -> tuple[float, float, float]:
@@ -82,6 +86,21 @@ def _mark_failed(axes: "Axes", x: "NDArray[np.float64]") -> None:
         )  # fmt: skip
 
 
+def _mark_never(axes: "Axes", column: MetricColumn, x: "NDArray[np.float64]") -> None:
+    """Mark where it never came: at the top of the axes, and in a word where it never did."""
+    if not column.never.any():
+        return
+    if not np.isfinite(column.values).any():
+        axes.text(0.5, 0.5, NEVER, ha="center", va="center", transform=axes.transAxes)
+        axes.set_yticks([])
+        return
+    x = x[column.never]
+    axes.plot(
+        x, np.full(len(x), 0.97), "^", ms=3.0, mew=0.7, mfc="none", color=INK, label=NEVER,
+        transform=axes.get_xaxis_transform(), clip_on=False,
+    )  # fmt: skip
+
+
 def _is_logarithmic(places: "NDArray[np.float64]") -> bool:
     """Return whether values look as if they were spaced by a factor."""
     if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 20.0:
@@ -95,6 +114,6 @@ def _finish(axes: "Axes", column: MetricColumn, metric: str, unit: str, factor: 
         if low - (high - low) < bound < high + (high - low):
             axes.axhline(bound, color=INK, lw=0.8, ls=(0, (3, 1.5)), label="bound")
         else:  # it would flatten the curve
-            axes.plot([], [], ls="none", label=f"bound {bound:.3g}")
+            axes.plot([], [], ls="none", label=f"bound {bound:.3g} {unit}".rstrip())
     axes.set_ylabel(f"{metric.replace('_', ' ')} ({unit})" if unit else metric.replace("_", " "))
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0)

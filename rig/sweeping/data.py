@@ -46,6 +46,12 @@ class MetricColumn:
         return found
 
     @property
+    def never(self) -> "NDArray[np.bool_]":
+        """Of which points it is infinite: what it measures never happened."""
+        found: NDArray[np.bool_] = np.isinf(np.array(self.numbers))
+        return found
+
+    @property
     def sign(self) -> float:
         """1 if less is better, -1 if more is."""
         return -1.0 if self.kind == "min" else 1.0

@@ -34,7 +34,8 @@ def draw_variations(data: SweepData, metric: str) -> "Figure":
     for axes, table in zip(panels, tables, strict=True):
         factor, shown = scale_of(data.metrics[table.metric])
         _draw(axes, table, factor)
-        axes.set_xlabel(f"{table.metric.replace('_', ' ')} ({shown})")
+        what = table.metric.replace("_", " ")
+        axes.set_xlabel(f"{what} ({shown})" if shown else what)
     panels[0].set_yticks(range(len(rows)), labels=rows)
     panels[0].set_ylim(len(rows) - 0.4, -0.6)
     handles, labels = panels[0].get_legend_handles_labels()
@@ -53,7 +54,8 @@ def _draw(axes: "Axes", table: VariationTable, factor: float) -> None:
     for number, law in enumerate(table.laws):
         color, mark = PALETTE[number % len(PALETTE)], _MARKS[number % len(_MARKS)]
         places = np.arange(len(rows)) + beside[number]
-        values = [factor * row[number].value for row in rows]
+        worst = np.array([row[number].value for row in rows])
+        values = factor * np.where(np.isfinite(worst), worst, np.nan)
         axes.plot(values, places, mark, ms=3.2, color=color, label=law or None, ls="none")
         stopped = places[[bool(row[number].stopped) for row in rows]]
         if len(stopped):  # a line without points has no place, and no layout can be found for it

@@ -28,7 +28,8 @@ class Cell(NamedTuple):
     Parameters
     ----------
     value : float
-        The worst of those that came to their end, SI; NaN: none did.
+        The worst of those that came to their end, SI; NaN: none did; infinite: what it times never
+        happened.
     stopped : tuple of str
         Why each of the others did not.
     """
@@ -41,6 +42,8 @@ class Cell(NamedTuple):
         if self.stopped:
             others = f" ({len(self.stopped)} runs)" if len(self.stopped) > 1 else ""
             return f"{fault_name(self.stopped[0])}{others}"
+        if math.isinf(self.value):
+            return "never"
         return "-" if math.isnan(self.value) else format_quantity(self.value, unit or "1")
 
 
@@ -102,7 +105,8 @@ def table_of(data: SweepData, metric: str) -> VariationTable:
 
     def cell(numbers: Sequence[int]) -> Cell:
         known = [v for v in column.values[list(numbers)].tolist() if math.isfinite(v)]
-        value = max(known, key=lambda v: column.sign * v) if known else math.nan
+        nothing = math.inf if column.never[list(numbers)].any() else math.nan
+        value = max(known, key=lambda v: column.sign * v) if known else nothing
         stopped = (data.reasons[k] or data.statuses[k] for k in numbers
                    if data.statuses[k] not in DONE)  # fmt: skip
         return Cell(value, tuple(stopped))
@@ -145,6 +149,10 @@ def _put(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")
 
 
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
 def _plain(table: VariationTable) -> dict[str, object]:
     rows = {**table.rows, WORST: table.worst}
     return {
@@ -153,7 +161,10 @@ def _plain(table: VariationTable) -> dict[str, object]:
         "laws": table.laws,
         "rows": {
             name: [
-                {"value": None if math.isnan(cell.value) else cell.value, "stopped": cell.stopped}
+                {
+                    "value": cell.value if math.isfinite(cell.value) else None,
+                    "stopped": cell.stopped,
+                }
                 for cell in cells
             ]
             for name, cells in rows.items()

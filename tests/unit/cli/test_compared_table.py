@@ -1,6 +1,8 @@
 """The table of a comparison: units that do not change within a row, and who has no numbers."""
 
-from rig.cli.compared_table import table_lines
+import json
+
+from rig.cli.compared_table import saying_never, table_lines
 
 
 def row(name, unit, *values):
@@ -29,3 +31,31 @@ def test_who_did_not_end_well_is_told_in_a_row_of_its_own():
         ["run", "ok", "faulted"],
         ["linear", "loop", "stable", "unknown"],
     ]
+
+
+def metric(name, value, **more):
+    return {"name": name, "value": value, "unit": "s", **more}
+
+
+def test_what_never_came_is_told_as_in_every_other_table(tmp_path):
+    first, second = tmp_path / "first", tmp_path / "second"
+    unseen = {"bound": 1.0, "pass": None}
+    for run, metrics in (
+        (first, [metric("rise", 1.0), metric("settling", None), metric("still", None, **unseen)]),
+        (second, [metric("rise", None), metric("settling", None, is_nan=True)]),
+    ):
+        run.mkdir()
+        (run / "metrics.json").write_text(json.dumps({"metrics": metrics}))
+    rows = [
+        row("rise", "s", 1.0, None, None),
+        row("settling", "s", None, None, "refused"),
+        row("still", "s", None, None, None),
+        row("of another kind", "s", None, 2.0, None),
+    ]
+    assert [one["values"] for one in saying_never(rows, [first, second])] == [
+        [1.0, "never", None],
+        ["never", None, "refused"],
+        [None, None, None],
+        [None, 2.0, None],
+    ]
+    assert rows[0]["values"] == [1.0, None, None]  # compare.json has what it had

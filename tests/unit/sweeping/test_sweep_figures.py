@@ -1,11 +1,14 @@
 """The figure of a sweep shows its numbers, in the form that suits what was varied."""
 
+import math
+from array import array
+
 import numpy as np
 import pytest
 
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import parse_axis, parse_seeds
-from rig.sweeping.data import SweepData
+from rig.sweeping.data import MetricColumn, SweepData
 from rig.sweeping.design import make_design
 from rig.sweeping.figure import draw_sweep
 from rig.sweeping.table import TableRow, value_of
@@ -78,3 +81,68 @@ def test_a_metric_that_is_better_when_greater_has_its_worst_below():
 def test_without_any_result_there_is_no_figure():
     with pytest.raises(ConfigurationError, match="no point ran to its end"):
         draw_sweep(data_of(["a=1,2"], "0:1", lambda x, seed: None))
+
+
+def with_metric(axes, name, unit, value, bound=None, seeds="0:2"):
+    """Make a sweep with another metric, `value` of a point's values."""
+    data = data_of(axes, seeds, lambda *values: 1e-3)
+    numbers = array("d", (value(*point) for point in zip(*data.settings.values(), strict=True)))
+    data.metrics = {name: MetricColumn(unit, bound, "max", numbers)}
+    return data
+
+
+@pytest.mark.parametrize("axes", [["a=1,2"], ["a=x,y"], ["a=1,2", "b=1,2"]])
+def test_what_never_came_is_said(axes):
+    figure = draw_sweep(with_metric(axes, "settling_time", "s", lambda *_: math.inf, 1.0))
+    texts = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
+    assert [text.get_text().rpartition(" ")[2] for text in texts] == ["never"]
+    assert not any(len(axes.get_yticks()) for axes in figure.axes)
+
+
+def test_many_settings_without_any_number_are_said():
+    axes = ["a=sobol:0..1:4", "b=sobol:0..1:4", "c=sobol:5..6:4"]
+    figure = draw_sweep(with_metric(axes, "settling_time", "s", lambda *_: math.inf))
+    assert [text.get_text() for text in figure.texts] == ["settling time: never"]
+    figure = draw_sweep(with_metric(axes, "settling_time", "s", lambda *_: math.nan))
+    assert [text.get_text() for text in figure.texts] == ["settling time: no number"]
+
+
+def test_where_it_never_came_there_is_a_mark():
+    data = with_metric(["a=1,2,3"], "time", "s", lambda a, seed: math.inf if a == 2 else 1.0 * a)
+    axes = draw_sweep(data).axes[0]
+    assert list(line(axes, "never")[0]) == [2.0, 2.0]
+    assert not axes.texts
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "bound", "shown", "label"),
+    [
+        ("m^3/s", 1e-3 / 60, None, 1.0, "air (NL/min)"),
+        ("Pa", 2e6, None, 2.0, "air (MPa)"),
+        ("Pa", 5e3, 1.5e6, 5.0, "air (kPa)"),
+        ("m", 2e-3, None, 2.0, "air (mm)"),
+        ("rad", math.pi, None, 180.0, "air (deg)"),
+        ("", 0.3, None, 0.3, "air"),
+        ("s", 0.0, 1.0, 0.0, "air (s)"),
+    ],
+)
+def test_units_are_those_of_the_table(unit, value, bound, shown, label):
+    axes = draw_sweep(with_metric(["a=1,2"], "air", unit, lambda *_: value, bound)).axes[0]
+    assert axes.get_ylabel() == label
+    assert line(axes, "median")[1] == pytest.approx([shown, shown])
+
+
+def test_a_bound_that_is_far_off_has_its_unit():
+    data = with_metric(["a=1,2"], "low", "Pa", lambda a, seed: 5e4 + a, bound=15e3)
+    labels = [found.get_label() for found in draw_sweep(data).axes[0].get_lines()]
+    assert "bound 15 kPa" in labels
+
+
+def test_metrics_that_have_no_room_are_named():
+    data = data_of(["a=1,2"], "0:2", lambda a, seed: 1e-3)
+    (column,) = data.metrics.values()
+    data.metrics = {f"metric_{k}": column for k in range(8)}
+    figure = draw_sweep(data)
+    assert figure.get_suptitle() == "not drawn: metric 6, metric 7"
+    del data.metrics["metric_6"], data.metrics["metric_7"]
+    assert not draw_sweep(data).get_suptitle()

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import random
 
 import numpy as np
@@ -185,3 +186,14 @@ def test_what_a_variation_changes_nothing_else_varies():
         named = {"other": {"plant.friction_scale": 0.5, "simulation.seed": 7}}
         with pytest.raises(ConfigurationError, match="varied twice"):
             make_design([*axes, variations_of(named)], seeds and parse_seeds(seeds))
+
+
+def test_what_never_came_is_a_word_in_the_table_and_no_mark_in_the_figure(tmp_path):
+    data = data_of(lambda law, *rest: math.inf if law == "pid" else 1e-3)
+    table = table_of(data, "rms")
+    assert {row[1:] for row in table.texts()} == {("never", "1 mm")}
+    write_variations(tmp_path, data)
+    (told,) = json.loads((tmp_path / "variations.json").read_text())
+    assert all(cells[0]["value"] is None for cells in told["rows"].values())
+    with paper_style():
+        save(draw_sweep(data), tmp_path, "sweep", "an origin")
