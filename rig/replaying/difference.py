@@ -12,9 +12,11 @@ from rig.config.located import Plain
 from rig.config.yaml_loader import read_plain
 from rig.hal import ConfigurationError, RigError
 from rig.replaying.recorded import EXPERIMENT, PROFILE
-from rig.run_facts import MANIFEST
+from rig.report.timing import TimingSummary
+from rig.run_facts import MANIFEST, TIMING, MetricRow, never_came
 from rig.run_folder import RunFolder
 from rig.runtime.log_columns import read_columns
+from rig.typed_json import checked
 
 _WALL_CLOCK = "timing."
 """Group of columns that differ from run to run, whatever ran."""
@@ -39,7 +41,7 @@ class MetricChange(NamedTuple):
     name, unit : str
         As in ``metrics.json``.
     first, second : float
-        SI; NaN where it has no value.
+        SI; infinite where what it times never happened, NaN where it has no value.
     spread : float or None
         Standard deviation over runs that differ in nothing but their seed, SI; None: unknown.
     """
@@ -107,6 +109,43 @@ def metrics_beside(
         )
         for name in dict.fromkeys((*first, *second))
     ]
+
+
+class TimeChange(NamedTuple):
+    """A time of the cycles of both runs.
+
+    Parameters
+    ----------
+    stage : str
+        As in ``timing.json``; ``work``: all of them.
+    which : str
+        ``median`` or ``p99``.
+    first, second : float
+        s.
+    """
+
+    stage: str
+    which: str
+    first: float
+    second: float
+
+
+def times_beside(one: RunFolder, other: RunFolder) -> list[TimeChange]:
+    """Return how long the cycles of two runs took; nothing if either run does not say."""
+    try:
+        both = [
+            checked(folder.read_json(TIMING, dict[str, object]), TimingSummary, TIMING)
+            for folder in (one, other)
+        ]
+    except ConfigurationError:  # there is none, or its log has no times
+        return []
+    found: list[TimeChange] = []
+    first, second = ({"work": of["work"], **of["stages"]} for of in both)
+    for stage in (name for name in first if name in second):
+        a, b = first[stage], second[stage]
+        found.append(TimeChange(stage, "median", a["p50"], b["p50"]))
+        found.append(TimeChange(stage, "p99", a["p99"], b["p99"]))
+    return found
 
 
 def siblings_of(folder: RunFolder, runs: Path) -> dict[str, list[float]]:
@@ -184,11 +223,18 @@ def _without_seed(folder: RunFolder) -> dict[str, str]:
 def _metrics(folder: RunFolder) -> dict[str, tuple[float, str]]:
     return {
         metric["name"]: (
-            math.nan if metric["value"] is None else metric["value"],
+            _value(metric),
             metric.get("unit", ""),
         )
         for metric in folder.metrics()
     }
+
+
+def _value(metric: MetricRow) -> float:
+    value = metric["value"]
+    if value is not None:
+        return value
+    return math.inf if never_came(metric) else math.nan
 
 
 def _code(folder: RunFolder) -> dict[str, str]:

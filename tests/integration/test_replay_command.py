@@ -98,6 +98,46 @@ def test_a_difference_that_chance_explains_is_told_from_one_that_it_does_not(run
     assert "reference." in first
 
 
+def test_how_long_the_cycles_of_both_took_is_told_by_stage(runs, capsys, tmp_path):
+    for name in names(runs)[:2]:
+        shutil.copytree(runs / name, tmp_path / name)
+    one, other = names(tmp_path)
+    asked = ["diff", one, other, "--runs", str(tmp_path)]
+    timing = {
+        name: json.loads((tmp_path / name / "timing.json").read_text()) for name in names(tmp_path)
+    }
+    invoke([*asked, "--json"])
+    found = {(t["stage"], t["which"]): (t["first"], t["second"])
+             for t in json.loads(capsys.readouterr().out)["timing"]}  # fmt: skip
+    assert {stage for stage, _ in found} == {"work", *timing[one]["stages"]}
+    for (stage, which), values in found.items():
+        of = [t["work"] if stage == "work" else t["stages"][stage] for t in timing.values()]
+        assert values == tuple(t["p50" if which == "median" else "p99"] for t in of)
+    timing[other]["stages"]["control"]["p99"] = 0.25
+    (tmp_path / other / "timing.json").write_text(json.dumps(timing[other]))
+    invoke(asked)
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if "control, p99" in line)
+    assert line.endswith("0.25 s")
+    for spoil in (lambda path: path.write_text("{}"), Path.unlink):  # of a log without times; none
+        spoil(tmp_path / other / "timing.json")
+        invoke(asked)
+        assert "control" not in capsys.readouterr().out
+
+
+def test_what_never_came_is_no_missing_number(runs, capsys, tmp_path):
+    for name in names(runs)[:2]:
+        shutil.copytree(runs / name, tmp_path / name)
+    one, other = names(tmp_path)
+    for name, change in ((one, {"value": None}), (other, {"value": None, "is_nan": True})):
+        path = tmp_path / name / "metrics.json"
+        content = json.loads(path.read_text())
+        content["metrics"][0].update(name="late", bound=None, **change)
+        path.write_text(json.dumps(content))
+    assert invoke(["diff", one, other, "--runs", str(tmp_path)]) == 1
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("late"))
+    assert line.split()[1:4] == ["never", "-", "-"]
+
+
 def test_without_seeds_beside_it_chance_is_unknown(runs, capsys, tmp_path):
     for name in names(runs)[:2]:
         shutil.copytree(runs / name, tmp_path / name)
