@@ -93,6 +93,11 @@ def _mark_never(axes: "Axes", column: MetricColumn, x: "NDArray[np.float64]") ->
     if not np.isfinite(column.values).any():
         axes.text(0.5, 0.5, NEVER, ha="center", va="center", transform=axes.transAxes)
         axes.set_yticks([])
+        margin = 0.05 * (np.ptp(x) or 1.0)
+        axes.set_xlim(x.min() - margin, x.max() + margin)
+        for line in axes.get_lines():  # what nobody sees is in no legend
+            if not np.isfinite(line.get_ydata()).any():
+                line.set_label("_")
         return
     x = x[column.never]
     axes.plot(
@@ -116,4 +121,5 @@ def _finish(axes: "Axes", column: MetricColumn, metric: str, unit: str, factor: 
         else:  # it would flatten the curve
             axes.plot([], [], ls="none", label=f"bound {bound:.3g} {unit}".rstrip())
     axes.set_ylabel(f"{metric.replace('_', ' ')} ({unit})" if unit else metric.replace("_", " "))
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0)

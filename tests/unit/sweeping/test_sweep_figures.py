@@ -91,12 +91,17 @@ def with_metric(axes, name, unit, value, bound=None, seeds="0:2"):
     return data
 
 
-@pytest.mark.parametrize("axes", [["a=1,2"], ["a=x,y"], ["a=1,2", "b=1,2"]])
-def test_what_never_came_is_said(axes):
-    figure = draw_sweep(with_metric(axes, "settling_time", "s", lambda *_: math.inf, 1.0))
+@pytest.mark.parametrize("axes_of", [["a=1,2"], ["a=x,y"], ["a=1,2", "b=1,2"]])
+def test_what_never_came_is_said(axes_of):
+    figure = draw_sweep(with_metric(axes_of, "settling_time", "s", lambda *_: math.inf, 1.0))
     texts = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
     assert [text.get_text().rpartition(" ")[2] for text in texts] == ["never"]
     assert not any(len(axes.get_yticks()) for axes in figure.axes)
+    for axes in figure.axes:
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bound 1 s"]
+        assert axes.get_xlim()[1] > 1.0
+    figure = draw_sweep(with_metric(axes_of, "settling_time", "s", lambda *_: math.inf))
+    assert not any(axes.get_legend() for axes in figure.axes)
 
 
 def test_many_settings_without_any_number_are_said():
