@@ -54,7 +54,11 @@ SESSIONS = [ROOT / f".readme/{name}.md" for name in ("tutorial", "your-own-rig",
 
 
 def shape(text):
-    """Return a text without what differs from run to run: digits, and how columns are set."""
+    """Return a text without what differs from run to run: digits, and how columns are set.
+
+    So does whether a kernel has been compiled on this machine before.
+    """
+    text = re.sub(r"^compiling kernels.*\n", "", text, flags=re.M)
     return "\n".join(" ".join(NUMBER.sub("0", line).split()) for line in text.splitlines()) + "\n"
 
 
