@@ -8,8 +8,8 @@ import numpy as np
 
 from rig.hal.bench import Unknown
 
-_OTHER = 500
-"""Seeds of other units, beyond those of the corners."""
+DRAWN = 200
+"""Plants whose margins are looked at."""
 NOISIER = 2.0
 """Times the noise of a plant's encoders that one of the corners has: nobody measures it. With gains
 that were tried without it setpoints turned round 320 times a second at 5 um instead of 1 um; with
@@ -38,6 +38,21 @@ class Member(NamedTuple):
     numbers: Numbers
     seed: int
     noisy: bool = False
+
+
+class Plants(NamedTuple):
+    """Those plants of an ensemble that gains are judged on.
+
+    Parameters
+    ----------
+    corners : tuple of int
+        Numbers of its corners: a motion is run there.
+    drawn : tuple of int
+        Numbers of its drawn plants, of whichever part: margins are measured there.
+    """
+
+    corners: tuple[int, ...]
+    drawn: tuple[int, ...] = ()
 
 
 class Ensemble:
@@ -117,20 +132,26 @@ class Ensemble:
         ends = product(*(unknown.measured for unknown in self._unknowns))
         return [self.nominal, *(self._member(values, self._seed) for values in ends)]
 
-    def other_units(self, members: Iterable[Member]) -> list[Member]:
-        """Return two more units of each of some plants."""
-        units = [member for member in members for _ in range(2)]
-        return [
-            member._replace(seed=self._seed + _OTHER + number)
-            for number, member in enumerate(units)
-        ]
+    def draw(self, count: int = DRAWN, part: int = 0) -> list[Member]:
+        """Return plants within what a calibration would leave open, from the ensemble's seed.
 
-    def draw(self, count: int) -> list[Member]:
-        """Return plants within what a calibration would leave open, from the ensemble's seed."""
-        rng = np.random.default_rng([self._seed, count])
+        Parameters
+        ----------
+        count : int
+            So many.
+        part : int
+            No plant of another part is among them: a search has parts of its own, and the verdict
+            the first, so that no gains are judged on the plants that they were found on.
+        """
+        rng = np.random.default_rng([self._seed, count, *([part] if part else [])])
         lows, highs = np.array([unknown.measured for unknown in self._unknowns]).T
         values = rng.uniform(lows, highs, (count, len(self._unknowns)))
-        return [self._member(row, self._seed + 1000 + k) for k, row in enumerate(values.tolist())]
+        units = self._seed + 1000 * (1 + part)
+        return [self._member(row, units + k) for k, row in enumerate(values.tolist())]
+
+    def drawn(self, number: int) -> Member:
+        """Return a drawn plant by its number among those of all parts."""
+        return self.draw(part=number // DRAWN)[number % DRAWN]
 
     def _member(self, values: Iterable[float], seed: int) -> Member:
         numbers, words = dict(self._told), []

@@ -5,8 +5,6 @@ References
 N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import closing
@@ -16,19 +14,16 @@ from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
-from controllers.base import Tunable
 from rig.hal.closed_loop import SENSITIVITY
-from rig.sweeping.best import KEEP_ALL, Best
 from rig.sweeping.code import code_version
-from rig.sweeping.coordinator import Coordinator, Limits
 from rig.sweeping.engine import WorkerSetup
 from rig.sweeping.journal import Journal
-from rig.sweeping.point import PointJob
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
-from rig.tuning.candidate import PERFORM, job_of
-from rig.tuning.ensemble import Member
+from rig.tuning.candidate import PERFORM
+from rig.tuning.ensemble import DRAWN, Member, Plants
 from rig.tuning.gains import gains_at, place_of, values_of
+from rig.tuning.jury import SHAKEN_AT_ONCE, Jury
 from rig.tuning.score import LOST, score
 from rig.tuning.walk import STEPS, Place, one_by_one, together, tried_by_walk
 from rig.tuning.workbench import Request, Workbench
@@ -38,7 +33,11 @@ GENERATION: Final = 12
 _STEPS: Final = (0.2, 0.12, 0.06)
 """Of each part of the search as it begins, as a share of the bounds."""
 _MORE: Final = 2
-"""So many plants come in before each part but the first: those that the best gains bear least."""
+"""So many corners come in before each part: those that the best gains bear least."""
+_DRAWN: Final = 6
+"""On so many of 200 plants margins are measured: those that the gains in force bear least."""
+_MORE_DRAWN: Final = 3
+"""And on so many of 200 others from each part on: those that the best gains bear least."""
 FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
 _SHORTLIST: Final = (2, 2, 4)
@@ -56,8 +55,6 @@ _STEPS_ASIDE: Final = 60
 """From so many places beside them those are chosen."""
 _STEP_ASIDE: Final = 0.05
 """Their standard deviation, as a share of the bounds."""
-_BAD: Final = 3000.0
-"""Cost of gains that a law refuses."""
 
 
 class FoundGains(NamedTuple):
@@ -69,13 +66,13 @@ class FoundGains(NamedTuple):
         The best.
     costs : tuple of float
         The least cost after each generation.
-    members : tuple of int
-        Corners of the ensemble that it was judged on in the end.
+    plants : Plants
+        Those of the ensemble that it was judged on in the end.
     """
 
     gains: dict[str, float]
     costs: tuple[float, ...]
-    members: tuple[int, ...]
+    plants: Plants
 
 
 class GainSearch:
@@ -117,11 +114,10 @@ class GainSearch:
             It cannot go on; what was judged is kept.
         """
         setup = WorkerSetup(PERFORM, self._code, self._folder.resolve() / "workers.log")
-        progress = SweepProgress(
-            trials_of(self._generations, len(self._bench.tunables)) + LAST_LOOK
-        )
+        trials = trials_of(self._generations, len(self._bench.tunables)) + LAST_LOOK
+        progress = SweepProgress(trials + _shaken_at_most())
         with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
-            judge = _Judge(
+            judge = Jury(
                 self._bench.tunables, self._text, self._code, self._folder, journal, pool, progress
             )
             try:
@@ -129,71 +125,72 @@ class GainSearch:
             finally:
                 progress.clear()
 
-    def _go(self, judge: "_Judge", progress: SweepProgress) -> FoundGains:
-        members = self._bench.ensemble.first()
+    def _go(self, judge: Jury, progress: SweepProgress) -> FoundGains:
         here = place_of(self._bench.tunables, self._bench.settings)
+        plants = Plants(self._bench.ensemble.first(), _nearest(judge.shake(here, 1), _DRAWN))
         looks = [here, *self._robust_places(here), *self._stable_places(len(here))]
-        seen = judge(looks, members)
+        seen = judge(looks, plants)
         is_lost = seen[0][0] >= LOST
         least, best = min(seen)
         history = [least]
-        members = self._with_worst(best, members)
-        walked = self._walk(judge, best if is_lost else here, members)
-        passed = sorted([*judge([best], members), *walked])
+        plants = self._with_worst(judge, best, plants)
+        walked = self._walk(judge, best if is_lost else here, plants)
+        passed = sorted([*judge([best], plants), *walked])
         finalists = [(seen[0][0], here), *passed[:_WALKED]]
         least, best = passed[0]
-        progress.say(f"cost {least:.3f} on {len(members)} plants, one gain after the other")
+        progress.say(f"cost {least:.3f} {_on(plants)}, one gain after the other")
         for part, step, wanted in zip(_parts(self._generations), _STEPS, _SHORTLIST, strict=True):
-            if history[1:]:
-                members = self._with_worst(best, members)
-                ((least, best),) = judge([best], members)  # more, on more plants
-            tried = self._adapt(judge, members, best, step, part)
+            plants = self._with_worst(judge, best, plants)
+            ((least, best),) = judge([best], plants)  # more, on more plants
+            tried = self._adapt(judge, plants, best, step, part)
             for generation in tried:
                 least, best = min((least, best), *generation)
                 history.append(least)
-            progress.say(f"cost {least:.3f} on {len(members)} plants")
+            progress.say(f"cost {least:.3f} {_on(plants)}")
             finalists += sorted(chain.from_iterable(tried))[:wanted]
-        return self._last_look(judge, [place for _, place in finalists], history, progress)
+        everywhere = Plants(tuple(range(len(self._bench.ensemble.corners()))), plants.drawn)
+        places = [place for _, place in finalists]
+        different = [place for k, place in enumerate(places) if place not in places[:k]]
+        return self._last_look(judge, different, everywhere, history, progress)
 
-    def _walk(
-        self, judge: "_Judge", place: Place, members: tuple[int, ...]
-    ) -> list[tuple[float, Place]]:
+    def _walk(self, judge: Jury, place: Place, plants: Plants) -> list[tuple[float, Place]]:
         """Return the places that a walk from one tries, with their costs, the best first.
 
         Parameters
         ----------
-        judge : _Judge
+        judge : Jury
             Of candidates.
         place : list of float
             Where it begins: at the gains in force, unless they lose a plant.
-        members : tuple of int
-            Corners of the ensemble that candidates are judged on.
+        plants : Plants
+            Those that candidates are judged on.
         """
-        passed = judge([place], members)
+        passed = judge([place], plants)
         for step in STEPS:
             least, here = passed[0]
-            alone = judge(one_by_one(here, step), members)
-            both = judge(together(here, least, alone), members)
+            alone = judge(one_by_one(here, step), plants)
+            both = judge(together(here, least, alone), plants)
             passed = sorted([*passed, *alone, *both])
         return passed
 
     def _adapt(
-        self, judge: "_Judge", members: tuple[int, ...], place: Place, step: float, count: int
+        self, judge: Jury, plants: Plants, place: Place, step: float, count: int
     ) -> list[list[tuple[float, Place]]]:
         """Return generations of CMA-ES from a place, each its places with their costs."""
         strategy = self._strategy(place, step)
         generations = []
         for _ in range(count):
             asked = strategy.ask()
-            tried = judge([[float(share) for share in one] for one in asked], members)
+            tried = judge([[float(share) for share in one] for one in asked], plants)
             strategy.tell(asked, [cost for cost, _ in tried])
             generations.append(tried)
         return generations
 
     def _last_look(
         self,
-        judge: "_Judge",
+        judge: Jury,
         finalists: Sequence[Place],
+        plants: Plants,
         history: Sequence[float],
         progress: SweepProgress,
     ) -> FoundGains:
@@ -202,11 +199,9 @@ class GainSearch:
         What was best on the few plants of the search may lose others, the sooner the fewer
         generations there were: gains of an earlier part may then be the better ones.
         """
-        members = tuple(range(len(self._bench.ensemble.corners())))
-        different = [place for k, place in enumerate(finalists) if place not in finalists[:k]]
-        least, best = min(judge(different, members))
-        progress.say(f"cost {least:.3f} on all {len(members)} plants")
-        return FoundGains(gains_at(self._bench.tunables, best), tuple(history), members)
+        least, best = min(judge(finalists, plants))
+        progress.say(f"cost {least:.3f} {_on(plants)}, which are all corners")
+        return FoundGains(gains_at(self._bench.tunables, best), tuple(history), plants)
 
     def _stable_places(self, count: int) -> list[list[float]]:
         """Return places anywhere, those first whose loops are farthest from instability.
@@ -263,18 +258,20 @@ class GainSearch:
         )
         return strategy
 
-    def _with_worst(self, place: Place, members: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the members, and besides the corners that the gains of a place bear least."""
+    def _with_worst(self, judge: Jury, place: Place, plants: Plants) -> Plants:
+        """Return the plants, and besides those that the gains of a place bear least."""
         bench, corners = self._bench, self._bench.ensemble.corners()
         gains = gains_at(bench.tunables, place)
         nominal = bench.trial(gains, corners[0], coarse=True)
         costs = {}
         for number, corner in enumerate(corners):
-            if number not in members:
+            if number not in plants.corners:
                 trial = bench.trial(gains, corner, coarse=True)
                 costs[number] = score([nominal, trial], ()).cost
         worst = sorted(costs, key=lambda number: -costs[number])
-        return (*members, *worst[:_MORE])
+        part = 2 + (len(plants.drawn) - _DRAWN) // _MORE_DRAWN  # no part twice
+        drawn = _nearest(judge.shake(place, part), _MORE_DRAWN)
+        return Plants((*plants.corners, *worst[:_MORE]), (*plants.drawn, *drawn))
 
 
 class _Strategy(Protocol):
@@ -285,34 +282,19 @@ class _Strategy(Protocol):
     def tell(self, places: Sequence[Sequence[float]], costs: Sequence[float]) -> None: ...
 
 
-class _Judge:
-    """Has candidates judged by workers, the same ones never twice."""
+def _nearest(found: Mapping[int, float], count: int) -> tuple[int, ...]:
+    """Return the drawn plants that are nearest to instability, by their greatest sensitivity."""
+    return tuple(sorted(found, key=lambda number: -found[number])[:count])
 
-    def __init__(
-        self, tunables: Sequence[Tunable], text: str, code: str, folder: Path, journal: Journal,
-        pool: Pool, progress: SweepProgress,
-    ) -> None:  # fmt: skip
-        self._tunables, self._text, self._code, self._folder = tunables, text, code, folder
-        self._journal, self._pool, self._progress = journal, pool, progress
 
-    def __call__(
-        self, places: Sequence[Place], members: tuple[int, ...]
-    ) -> list[tuple[float, Place]]:
-        """Return places with what their gains cost on some corners of the ensemble."""
-        jobs = [self._job(gains_at(self._tunables, place), members) for place in places]
-        best = Best(None, KEEP_ALL, self._folder)
-        coordinator = Coordinator(self._journal, self._pool, self._progress, Limits(), best)
-        coordinator.run(iter(jobs))
-        return [(self._cost(job.name), place) for job, place in zip(jobs, places, strict=True)]
+def _on(plants: Plants) -> str:
+    shaken = f", {len(plants.drawn)} shaken" if plants.drawn else ""
+    return f"on {len(plants.corners)} plants{shaken}"
 
-    def _job(self, gains: Mapping[str, float], members: tuple[int, ...]) -> PointJob:
-        text = json.dumps([self._text, gains, members, self._code])
-        name = hashlib.sha256(text.encode()).hexdigest()[:32]
-        return job_of(self._text, gains, members, self._code, self._folder, name)
 
-    def _cost(self, name: str) -> float:
-        metrics = self._journal[name]["metrics"] if name in self._journal else []
-        return metrics[0]["value"] if metrics else _BAD
+def _shaken_at_most() -> int:
+    """Return how many jobs shake all drawn plants: at first, before the walk and each part."""
+    return (2 + len(_STEPS)) * math.ceil(DRAWN / SHAKEN_AT_ONCE)
 
 
 def trials_of(generations: int, count: int) -> int:

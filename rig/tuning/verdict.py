@@ -9,12 +9,10 @@ import numpy as np
 from rig.config import format_quantity
 from rig.hal.bench import Trial
 from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
-from rig.tuning.ensemble import Member
+from rig.tuning.ensemble import DRAWN, Member
 from rig.tuning.score import QUIET, REVERSALS, score
 from rig.tuning.workbench import Workbench
 
-DRAWN = 200
-"""Plants whose margins are looked at."""
 _AT_ONCE = 5
 """Of them are measured before somebody is told."""
 _TOLD = 3
@@ -134,7 +132,7 @@ def judge(
     for member in members:
         trials.append(bench.trial(gains, member, coarse=False))
         tell(1)
-    drawn = bench.ensemble.draw(DRAWN)
+    drawn = bench.ensemble.draw()
     measured = _measured(bench, gains, drawn, tell)
     margins = measured or bench.margins(gains, [bench.ensemble.nominal, *drawn])[1:]
     far = sorted(margins, key=lambda margin: margin.sensitivity)[: math.ceil(ENOUGH * len(margins))]

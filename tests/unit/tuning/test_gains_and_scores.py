@@ -27,6 +27,7 @@ from rig.hal.bench import Trial, Unknown
 from rig.hal.closed_loop import ClosedLoop
 from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.programme import lasting_error
+from rig.tuning.ensemble import DRAWN as PLANTS
 from rig.tuning.ensemble import Ensemble
 from rig.tuning.gains import gains_at, nested, place_of, values_of, with_gains
 from rig.tuning.score import LOST, UNSTABLE, score
@@ -111,14 +112,14 @@ def test_an_ensemble_goes_to_its_bounds_and_never_beyond():
     assert [m.numbers for m in ensemble.draw(300)] == [m.numbers for m in drawn]
 
 
-def test_other_units_are_the_same_plants_with_seeds_that_no_corner_has():
+def test_every_drawn_plant_is_a_unit_that_no_corner_is():
     ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
-    corners = ensemble.corners()
-    units = ensemble.other_units(corners[1:4])
-    assert [unit.numbers for unit in units] == [m.numbers for m in corners[1:4] for _ in range(2)]
-    seeds = {unit.seed for unit in units}
-    assert len(seeds) == 6
-    assert not seeds & {m.seed for m in (*corners, *ensemble.draw(200))}
+    parts = [ensemble.draw(part=part) for part in range(4)]
+    seeds = {unit.seed for part in parts for unit in part}
+    assert len(seeds) == 4 * PLANTS
+    assert len({unit.numbers["force"] for part in parts for unit in part}) == 4 * PLANTS
+    assert [ensemble.drawn(number) for number in (3, 2 * PLANTS + 7)] == [parts[0][3], parts[2][7]]
+    assert not seeds & {m.seed for m in ensemble.corners()}
 
 
 def test_what_was_measured_varies_less_and_nothing_else():
