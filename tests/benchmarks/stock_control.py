@@ -10,12 +10,11 @@ filterpy has it, instead of from a bandwidth; the filter's noise is chosen for a
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from controllers.cylinder.cascade_settings import CascadeSettings
-
 REST_SPEED, REST_TIME = 5e-5, 0.1
 STILL_DISTANCE, STILL_TIME = 5e-6, 0.04
 CREEP_SPEED, LEAST_SPEED, NEAR = 3e-3, 0.5e-3, 0.5e-3
-DISTURBANCE_RATE, READING_NOISE = 300.0, 1e-4  # N/√s and m: gains near those of the observer
+READING_NOISE = 1e-4  # m
+SHARE = 0.7  # of the observer's bandwidth: with it the setpoints are nearest to ours
 
 
 class StockCascade:
@@ -23,17 +22,21 @@ class StockCascade:
 
     Parameters
     ----------
+    settings : CascadeSettings
+        The profile's.
     model : PairModel
         Area, mass, friction, regulators.
     period : float
         s.
     """
 
-    def __init__(self, model, period):
+    def __init__(self, settings, model, period):
         self.model, self.period = model, period
-        self.settings = settings = CascadeSettings()
+        self.settings = settings
         self.friction = settings.feedforward
-        self.kalman = _force_filter(model.mass, period)
+        self.kalman = _force_filter(settings.observer_bandwidth, model.mass, period)
+        self.preview = settings.anticipation * model.air_dead_time
+        self.ahead, self.push = _motion(model.mass, period + self.preview)
         self.force = self.integral = self.residual = self.trim = 0.0
         self.share, self.scale = 0.0, 1.0
         self.disturbance_share = 1.0 - np.exp(-settings.disturbance_bandwidth * period)
@@ -71,6 +74,10 @@ class StockCascade:
     def update(self, position, pressure, reference):
         """Return the setpoints, Pa, for a position (m), pressures (Pa) and a reference."""
         settings, model, period = self.settings, self.model, self.period
+        early = self.preview
+        reference = reference + early * np.array(
+            [reference[1] + 0.5 * early * reference[2], reference[2], 0.0]
+        )
         difference = pressure[0] - pressure[1]
         force = model.area * difference
         trusted = settings.force_trust * force
@@ -79,7 +86,7 @@ class StockCascade:
         kalman.predict(u=0.5 * (self.force + trusted))
         kalman.update(position)
         self.force = trusted
-        ahead = (kalman.F @ kalman.x + kalman.B * trusted)[:, 0]
+        ahead = (self.ahead @ kalman.x + self.push * trusted)[:, 0]
         disturbance = ahead[2] + trusted - force
 
         error, velocity_error = reference[:2] - ahead[:2]
@@ -150,14 +157,20 @@ class StockCascade:
         return setpoint, saturation
 
 
-def _force_filter(mass, period):
+def _motion(mass, time):
+    """Return how position, velocity and disturbance, and what a force adds, are after a time."""
+    push = np.array([[0.5 * time**2 / mass], [time / mass], [0.0]])
+    return np.array([[1.0, time, push[0, 0]], [0.0, 1.0, push[1, 0]], [0.0, 0.0, 1.0]]), push
+
+
+def _force_filter(bandwidth, mass, period):
     """Return a Kalman filter of position, velocity and disturbance that a force drives."""
     kalman = KalmanFilter(dim_x=3, dim_z=1, dim_u=1)
-    push = np.array([[0.5 * period**2 / mass], [period / mass], [0.0]])
-    kalman.F = np.array([[1.0, period, push[0, 0]], [0.0, 1.0, push[1, 0]], [0.0, 0.0, 1.0]])
+    kalman.F, push = _motion(mass, period)
     kalman.B = push
     kalman.H = np.array([[1.0, 0.0, 0.0]])
     kalman.R *= READING_NOISE**2
     kalman.Q = push @ push.T * 0.1**2
-    kalman.Q[2, 2] = DISTURBANCE_RATE**2 * period
+    # In steady state its poles lie on a circle of this bandwidth, as a Butterworth filter's.
+    kalman.Q[2, 2] = (READING_NOISE * mass * (SHARE * bandwidth) ** 3 * period) ** 2
     return kalman

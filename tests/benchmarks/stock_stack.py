@@ -75,7 +75,7 @@ class StockCycle:
             self.encoders.append((position, speed, alarms))
         pair = profile.mechanism_settings
         model = AntagonisticPair.model_of(pair)
-        self.cascade = StockCascade(model, PERIOD)
+        self.cascade = StockCascade(profile.controllers["cascade"], model, PERIOD)
         self.limits, self.middle = pair.limits, pair.home
         self.largest_change = pair.limits.pressure_rate * PERIOD
         self.most_apart = pair.limits.pair_force / pair.area
