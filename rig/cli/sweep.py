@@ -174,6 +174,7 @@ def _ended_as_interrupted() -> Iterator[None]:
 def show(found: Sweep, metric: str | None) -> None:
     """Print the best points or the table of variations, and where all of them are on stderr."""
     from rig.sweeping.best_points import best_points, fitting
+    from rig.sweeping.run import LOGS
     from rig.sweeping.variations import VARIATION
 
     data = found.data
@@ -188,6 +189,10 @@ def show(found: Sweep, metric: str | None) -> None:
             print_tables([Table(f"best in {name}", shown, rows)])
             if len(shown) < len(header):
                 click.echo(f"{len(header) - len(shown)} more metrics: {found.folder}", err=True)
+            runs = (found.folder / LOGS / data.points[number] for number in data.order(metric))
+            kept = next((run for run in runs if run.is_dir()), None)
+            if kept is not None:
+                click.echo(f"the best run that is kept: {kept}", err=True)
     told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
     click.echo(_where(found), err=True)

@@ -49,6 +49,7 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
     least = min(float(row["rise_time"]) for row in rows)
     best = [row["point"] for row in rows if float(row["rise_time"]) == least]
     assert len(kept) == 1 and kept[0] in best
+    assert f"the best run that is kept: {out / 'runs' / kept[0]}\n" in told
     assert f'href="./runs/{kept[0]}/"' in (out / "sweep.html").read_text()
     before = {name: (out / name).read_bytes() for name in ("sweep.csv", "sweep.parquet")}
     again = sweep(
