@@ -42,7 +42,7 @@ from rig.experiment.results import write_results
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import RigError
-from rig.hal.hindsight import HUNTS, STICKS
+from rig.hal.hindsight import FLAWS
 from rig.installation import need
 from rig.report.ready import ReadyReporter
 from rig.run_facts import RunStatus
@@ -323,7 +323,7 @@ def _run(
         if ending.code == EXIT_OK and not folder.log_path.exists():
             lost = f"{folder.log_path} was removed while it was written: the record is lost"
             return Ending(RunStatus.FAULTED, EXIT_FAULT, lost)
-        flaws += [sentence for kind, sentence, _ in said if kind in (HUNTS, STICKS)]
+        flaws += [sentence for kind, sentence, _ in said if kind in FLAWS]
         return ending._replace(flaw="; ".join(flaws))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):

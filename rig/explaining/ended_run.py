@@ -13,7 +13,7 @@ from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
-from rig.hal.hindsight import HUNTS, STICKS
+from rig.hal.hindsight import FLAWS
 from rig.run_facts import (
     EVALUATION,
     Manifest,
@@ -27,7 +27,7 @@ from rig.run_folder import RunFolder
 _DIAGNOSIS = "diagnosis"
 _FELL = "fell"
 _STOP = "stop"
-_LOOKED_BACK = (_DIAGNOSIS, _FELL, HUNTS, STICKS, "camera", _STOP)
+_LOOKED_BACK = (_DIAGNOSIS, _FELL, *FLAWS, "camera", _STOP)
 """Kinds of events that say what a log told once its run had ended, or how it was stopped."""
 _UNSAFE = "unsafe"
 """Kind of the events that say who is not known to be safe after a stop."""
@@ -122,9 +122,7 @@ def explain_run(folder: Path) -> list[Remark]:
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
     names |= {_ON: _on_option(manifest)}
-    seen = [
-        topic for kind in (_FELL, HUNTS, STICKS, _STOP) if (topic := _topic_of_event(folder, kind))
-    ]
+    seen = [topic for kind in (_FELL, *FLAWS, _STOP) if (topic := _topic_of_event(folder, kind))]
     if status == RunStatus.FAILED:
         after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
         return [*said, *_missed(folder), *(after or _after_missing(rig, folder, names))]

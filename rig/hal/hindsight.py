@@ -11,9 +11,10 @@ if TYPE_CHECKING:
 
     Logged = Callable[[str], NDArray[np.float64]]
 
-HUNTS, STICKS = "hunts", "sticks"
-"""Kinds of remarks: it swings about a reference that rests; it sticks and slips. No run of which
-that is said has ended well."""
+HUNTS, STICKS, STRAYED = "hunts", "sticks", "strayed"
+"""Kinds of remarks: it swings about a reference that rests; it sticks and slips; it was farther off
+than is permitted, for less than a fault. No run of which that is said has ended well."""
+FLAWS = (HUNTS, STICKS, STRAYED)
 
 Settings = TypeVar("Settings", contravariant=True)
 
@@ -70,7 +71,7 @@ class Hindsight(Protocol[Settings]):
     def remarks(self, logged: "Logged") -> tuple[Note, ...]:
         """Return what else a log tells that somebody should know, however the run has ended.
 
-        A run that ended well counts as one that missed a bound after a remark of the kind `HUNTS`
-        or `STICKS`.
+        A run that ended well counts as one that missed a bound after a remark of one of the kinds
+        `FLAWS`.
         """
         return ()

@@ -162,6 +162,11 @@ def test_what_is_refused_is_explained_in_the_words_that_it_was_told_in(capsys, w
             "following",
         ),
         (
+            "the pair was up to 7.3 mm off its reference, beyond the 4 mm of `limits.following`, "
+            "for less than 0.3 s",
+            "following",
+        ),
+        (
             "the wire of ch2 or the wire of ch4 is caught, or encoder-2 or encoder-4 is off",
             "wires_disagree",
         ),

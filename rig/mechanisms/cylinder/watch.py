@@ -238,7 +238,8 @@ class PairWatch:
         pushed = "; or the carriage was pushed"
         if not pulled:
             pushed += " while its wires were slack"
-        return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale{pushed}"
+        wrong = f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale"
+        return f"{wrong}, or wires are softer than the profile says{pushed}"
 
     def _explain_scatter(self) -> str | None:
         """Return which encoder scatters: beside it the other one seems to stand."""

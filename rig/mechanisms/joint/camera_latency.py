@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 WRONG: Final = 3e-3
-"""A latency that is wrong by more than this is said, s …"""
+"""A latency that is surely wrong, and may be so by more than this, is said, s."""
 _LIKENESS: Final = 1e-3
-"""… once that is sure: what viscous friction may pass for, s, widens every interval."""
+"""What viscous friction may pass for, s, widens every interval."""
 _SHIFTS: "Final[Array]" = 1e-3 * np.arange(-60.0, 101.0, 5.0)
 """That are tried first, s …"""
 _CLOSER: "Final[Array]" = 1e-3 * np.arange(-8.0, 9.0)
@@ -70,7 +70,7 @@ def remark_on_latency(logged: "Logged", name: str, latency: float | None) -> tup
         As the profile has it, s.
     """
     found = lateness_of(logged)
-    if found is None or abs(found.late) - found.uncertain <= WRONG:
+    if found is None or abs(found.late) <= max(found.uncertain, WRONG - found.uncertain):
         return ()
     interval = f"± {found.uncertain * 1e3:.1f} ms"
     if latency is None:

@@ -8,7 +8,7 @@ import numpy as np
 from rig.experiment.measure import PHASE_RUN
 from rig.hal.hindsight import HUNTS
 from rig.hal.motion import Note
-from rig.mechanisms.pneumatic.alarms.tracking import Turns
+from rig.mechanisms.pneumatic.alarms.turns import Turns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -138,7 +138,8 @@ def test_the_rods_may_disagree_by_the_limit_and_not_by_more(sign):
     error = caught.value
     # A wire holds its rod back: one that is slack lets it in, and none pushes it out.
     slack = "a wire is slack, or " if sign < 0 else ""
-    lies = f"{slack}encoder-agonist or encoder-antagonist drifts or has a wrong scale"
+    lies = f"{slack}encoder-agonist or encoder-antagonist drifts or has a wrong scale, "
+    lies += "or wires are softer than the profile says"
     cause = f"{lies}; or the carriage was pushed"
     assert error.quantity == f"mismatch of the two rods ({cause})"
     assert (error.value, error.lower, error.upper, error.unit) == (

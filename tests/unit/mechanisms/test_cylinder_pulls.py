@@ -8,6 +8,7 @@ from cylinder_rods import Rods
 from pneumatic_fakes import BASE, PERIOD, pair_settings
 
 from rig.hal import LimitExceeded
+from rig.mechanisms.pneumatic.alarms.balance import UNSTABLE
 from rig.mechanisms.pneumatic.alarms.tracking import Gone, Shifted, Strayed
 
 # A pull that no monitor shows -------------------------------------------------------------------
@@ -43,7 +44,8 @@ def test_a_pair_that_strays_from_its_reference_is_told_with_the_chamber_that_sho
     for pull in (-apart, 0.0):
         said = str(pulled(32, pull).watch.explain(gone))
         assert said.startswith(f"regulators: the chamber of {weak} leaks behind its tube")
-        assert said.endswith(f"or the carriage is pushed or held ({gone})")
+        assert said.endswith(f"{UNSTABLE} ({gone})")
+        assert "or the carriage is pushed or held; " in said
     other = LimitExceeded("position of the pair", off, -3e-3, 3e-3, "m")
     assert pulled(32, apart).watch.explain(other) is other
 

@@ -30,7 +30,8 @@ def test_the_agreement_may_change_by_its_bound(sign):
     slack = "a wire is slack, or " if sign < 0.0 else ""
     assert error.quantity == (
         f"change of the mismatch of the two rods ({slack}encoder-agonist or encoder-antagonist "
-        "drifts or has a wrong scale; or the carriage was pushed)"
+        "drifts or has a wrong scale, or wires are softer than the profile says; or the "
+        "carriage was pushed)"
     )
     assert (error.lower, error.upper, error.unit) == (-CHANGE, CHANGE, "m")
     assert error.value == pytest.approx(sign * (CHANGE + TINY), rel=1e-9)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rig.mechanisms.joint.camera_latency import fit_lateness, remark_on_latency
+from rig.mechanisms.joint.camera_latency import WRONG, fit_lateness, remark_on_latency
 
 SEEDS = range(6)
 T = 1e-3 * np.arange(12_000)
@@ -66,6 +66,15 @@ def test_drawn_lateness_is_found_within_its_interval(seed):
 def test_a_camera_that_is_right_to_a_millisecond_is_not_spoken_of(seed):
     late = np.random.default_rng([32, seed]).uniform(-1e-3, 1e-3)
     assert remark_on_latency(Bench(seed, late).logged, "eye", 20e-3) == ()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_camera_that_is_wrong_by_just_more_than_is_permitted_is_spoken_of(seed):
+    rng = np.random.default_rng([34, seed])
+    late = math.copysign(WRONG + rng.uniform(0.05e-3, 1e-3), rng.uniform(-1.0, 1.0))
+    (note,) = remark_on_latency(Bench(seed, late).logged, "eye", 20e-3)
+    seen = float(note.message.partition("I see ")[2].partition(" ")[0])
+    assert seen == pytest.approx(20.0 + late * 1e3, abs=1.0)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

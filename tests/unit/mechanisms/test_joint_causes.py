@@ -17,6 +17,7 @@ from joint_rods import Rods
 from pneumatic_fakes import BASE, PERIOD, SPEED
 
 from rig.hal import DeviceFault, LimitExceeded, SafetyError, StaleReading
+from rig.mechanisms.pneumatic.alarms.balance import UNSTABLE
 from rig.mechanisms.pneumatic.alarms.pressures import PressureOff
 from rig.mechanisms.pneumatic.alarms.tracking import Shifted, Strayed
 
@@ -285,7 +286,7 @@ def test_a_rod_that_has_run_off_by_itself_is_told_with_the_chamber_that_should_h
     weak = CHANNELS[rod if side < 0.0 else (rod + 2) % 4]
     assert str(found) == (
         f"regulators: the chamber of {weak} leaks behind its tube, or its monitor is off, or the "
-        f"ring is pushed or held ({error})"
+        f"ring is pushed or held{UNSTABLE} ({error})"
     )
     error, found = strayed(rod, side * 7e-3, ran=False)
     assert found is error, "it only lags, and nothing pulls it back"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rig.hal import SafetyError
-from rig.hal.hindsight import STICKS
+from rig.hal.hindsight import STICKS, STRAYED
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 
@@ -138,3 +138,29 @@ def test_the_frequency_is_that_of_the_last_swings():
     found = run(jumps([*halves, (0.1, wide), (0.1, -wide), (0.1, wide)]), 6.2, watch(1.0, EXACT))
     assert found is not None
     assert "at 5.0 Hz" in str(found[1])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_rod_that_was_far_off_for_a_moment_is_told_with_how_far(seed):
+    drawn = np.random.default_rng(400 + seed)
+    far, sign = float(drawn.uniform(3.1e-3, 5.9e-3)), float(drawn.choice([-1.0, 1.0]))
+    watched = watch(alarm=dataclasses.replace(ALARM, swings=100))
+    moment = float(drawn.uniform(0.05, 0.25))
+    assert run(jumps([(2.0, 0.0), (moment, sign * far), (1.0, 0.0)]), 3.0, watched) is None
+    watched.restart()
+    (note,) = watched.remarks()
+    assert note.kind == STRAYED
+    said = re.search(r"the pair was up to ([\d.]+) mm off its reference, beyond", note.message)
+    assert said is not None
+    assert float(said[1]) == pytest.approx(1e3 * far, abs=0.06)
+
+
+def test_what_ends_in_a_fault_or_follows_a_step_is_no_moment():
+    watched = watch()
+    assert run(jumps([(2.0, 0.0), (9.0, 4e-3)]), 3.0, watched) is not None
+    assert watched.remarks() == ()
+    watched = watch()
+    for k in range(3000):
+        at, t = (0.0 if k < 2000 else 5e-3), k * PERIOD
+        watched.check((at,), (0.0 if k < 2200 else at,), t)
+    assert watched.remarks() == ()

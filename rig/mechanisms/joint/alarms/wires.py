@@ -303,7 +303,10 @@ class WireWatch:
         found = self._who_let_go(suspects, {k: offs[k][0] for k in suspects}, pressures)
         if len(found) > 1:
             which = self._names_of(found)
-            return f"the wire of {which} is slack or its anchor slips, by {off * 1e3:.2f} mm"
+            return (
+                f"the wire of {which} is slack, or softer than the profile says, or its anchor "
+                f"slips, by {off * 1e3:.2f} mm"
+            )
         k = found[0]
         return self._explain_wire(k, offs[k][1], rods[k], pressures[k])
 

@@ -35,7 +35,12 @@ _STUCK: Final = (
 _SLIDES: Final = (
     "; or its seals have far less friction than the profile says (`rig calibrate RIG friction`)"
 )
-"""… and what lets one go on that moves."""
+"""… and what lets one go on that moves …"""
+UNSTABLE: Final = (
+    "; or its loop is not stable, as its regulators are later or its friction is less than the "
+    "profile says"
+)
+"""… or run off by what moves it."""
 
 _Entry = tuple[float, Sequence[float], Sequence[float]]
 """Of a cycle: s, the rods, m, and the pressures, Pa gauge."""
@@ -103,7 +108,9 @@ class PullBalance:
             return None
         cause = self.explain()
         least = CERTAIN * self._friction.coulomb
-        return cause and f"{cause}{_SLIDES} [{least:.2g} N for {LASTS * 1e3:g} ms, while it moves]"
+        if cause and _SLIDES not in cause:
+            cause += _SLIDES
+        return cause and f"{cause} [{least:.2g} N for {LASTS * 1e3:g} ms, while it moves]"
 
     def runs(self, pair: int = 0) -> bool:
         """Return whether a pair has gone farther of late than one that is led."""
@@ -135,11 +142,13 @@ class PullBalance:
         weak = " or ".join(
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
-        stuck = _STUCK if stands(late_of(self._instants(found[0][1]))) else ""
+        most, stood = abs(found[0][0]), stands(late_of(self._instants(found[0][1])))
+        stuck = _STUCK if stood else ""
+        slides = _SLIDES if not stood and most <= self._friction.coulomb else ""
         return (
             f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held{stuck}: {abs(found[0][0]):.0f} N are not those of "
-            "the pressures"
+            f"or {self._moved} is pushed or held{stuck}: {most:.0f} N are not those of the "
+            f"pressures{slides}"
         )
 
     def explain_off(self, off: float, pair: int = 0) -> str | None:
@@ -209,7 +218,7 @@ class PullBalance:
         """
         late = late_of(self._instants(self._pairs[pair]))
         if ran and not (lasted and late and stands(late)):
-            return self.explain_gone(off, pair)
+            return f"{self.explain_gone(off, pair)}{UNSTABLE}"
         return self.explain_off(off, pair) or self.explain_crept(pair)
 
     def explain_gone(self, off: float, pair: int) -> str:

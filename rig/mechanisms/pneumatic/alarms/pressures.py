@@ -10,6 +10,7 @@ from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
 from rig.mechanisms.pneumatic.alarms.frozen import FrozenMonitors
 from rig.mechanisms.pneumatic.alarms.jumped import JumpedMonitors
+from rig.mechanisms.pneumatic.alarms.swinging import PressureSwings
 from rig.mechanisms.pneumatic.alarms.ways import PressureWays
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
@@ -40,6 +41,8 @@ _EMPTY = 4.0
 """Of the hysteresis: up to so much an empty chamber's monitor may say the very same."""
 _LEAP = 2.0
 """Of the offset at rest: by so much a monitor that jumps within a cycle is off."""
+_TO_AND_FRO = 3.0
+"""Of what a late regulator may be off: a setpoint that jumps by more explains a pressure beside."""
 _HOP = HARMLESS - VENTED
 """A monitor that jumps by less, Pa, hides no more than a chamber may hold."""
 
@@ -94,6 +97,7 @@ class PressureWatch:
         self._setpoints: Sequence[float] = ()
         self._line = DeadTimeLine(response.dead_time)
         self._ways = PressureWays(self._mean_time)
+        self._swings = PressureSwings(channels, part)
         loop = bounds.loop
         self._frozen = FrozenMonitors(bounds.time, _FROZEN * loop, _EMPTY * loop)
         self._jumped = JumpedMonitors(min(_HOP, _LEAP * bounds.offset))
@@ -183,6 +187,7 @@ class PressureWatch:
                 strange = True
         healthy = [channel.expected for channel in self._channels]
         self._ways.note(now, pressures, healthy)
+        self._swings.note(now, setpoints, pressures)
         frozen = self._frozen.find(pressures, healthy, now)
         self._check_jumps(pressures, healthy, step)
         if long_off:
@@ -197,6 +202,7 @@ class PressureWatch:
         self._began = self._then = now
         self._line.clear()
         self._ways.clear()
+        self._swings.clear()
         self._frozen.begin(self._pressures, now)
 
     def _raise_off(self, now: float) -> None:
@@ -215,8 +221,11 @@ class PressureWatch:
             else (channel.well_at, bounds.deviation, bounds.time)
         )
         late = ", even of a late one," if strayed else ""
+        swings = self._swings.explain()
+        if strayed and not swings:
+            swings = self._swings.explain_jump(k, _TO_AND_FRO * most)
         raise PressureOff(
-            f"{self._device}: {self._explain()} [{self._names[k]}: "
+            f"{self._device}: {self._explain()}{swings} [{self._names[k]}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy {self._part}{late} for {now - since:.3f} s, at most "
@@ -254,7 +263,7 @@ class PressureWatch:
         name, channel = self._names[k], channels[k]
         moved = (channel.mean - channel.usual) * 1e-3
         raise PressureOff(
-            f"{self._device}: {self._explain_strange(k)} [{name}: "
+            f"{self._device}: {self._explain_strange(k)}{self._swings.explain()} [{name}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint {self._setpoints[k] * 1e-3:.0f} kPa; "
             f"the mean is {moved:+.1f} kPa off what is usual, at most "
             f"{channel.most_mean(bounds) * 1e-3:.3g} kPa; as far off as "
@@ -299,7 +308,7 @@ class PressureWatch:
             return None
         k = max(range(len(self._channels)), key=lambda k: abs(self._channels[k].off))
         return (
-            f"{self._device}: {self._explain()} [{self._names[k]}: "
+            f"{self._device}: {self._explain()}{self._swings.explain()} [{self._names[k]}: "
             f"{self._channels[k].off * 1e-3:+.0f} kPa off a healthy {self._part}, at most "
             f"{self._bounds.deviation * 1e-3:.0f} kPa]"
         )

@@ -11,11 +11,12 @@ from itertools import pairwise
 from typing import Self
 
 from rig.hal import LimitExceeded, SafetyError
-from rig.hal.hindsight import STICKS
+from rig.hal.hindsight import STICKS, STRAYED
 from rig.hal.motion import Note
 from rig.mechanisms.pneumatic.alarms.rests import RodRests
 from rig.mechanisms.pneumatic.alarms.runs_off import RunsOff
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
+from rig.mechanisms.pneumatic.alarms.turns import Turns
 
 _HELD = 0.05
 """What is held is behind its reference for longer than this, s: seals let go before."""
@@ -73,33 +74,6 @@ class Shifted(LimitExceeded):
 
 class Gone(LimitExceeded):
     """A position beyond its range."""
-
-
-class Turns:
-    """Finds where a signal turns round, beyond a distance that it has to come back."""
-
-    def __init__(self, distance: float, *, rises: bool = True) -> None:
-        self.distance = distance
-        self._furthest = -math.inf if rises else math.inf
-        self._rises = rises
-
-    def update(self, value: float) -> float | None:
-        """Take the next value; return an extreme once the signal has come back from it."""
-        furthest = self._furthest
-        if self._rises:
-            if value > furthest:
-                self._furthest = value
-            elif furthest - value > self.distance:
-                self._rises = False
-                self._furthest = value
-                return furthest
-        elif value < furthest:
-            self._furthest = value
-        elif value - furthest > self.distance:
-            self._rises = True
-            self._furthest = value
-            return furthest
-        return None
 
 
 class _Swings:
@@ -206,6 +180,8 @@ class TrackingWatch:
         self._most_sticking = alarm.sticking * alarm.amplitude
         self._stuck = 0.0, ""
         """The widest swing of one that sticks and slips without a fault, m, and what it was."""
+        self._farthest = 0.0, 0
+        """How far one was off for less than a fault, m, and its number."""
         self.restart()
 
     def restart(self) -> None:
@@ -213,6 +189,8 @@ class TrackingWatch:
         self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed: list[tuple[float, float] | None] = [None] * len(self._names)
         """When each was last near enough, s, and where it was, m."""
+        self._away = [0.0] * len(self._names)
+        """How far each has been off since then, m."""
         self._runs_off = RunsOff(len(self._names), self._run_off)
         self._rests = [RodRests() for _ in self._names]
         self._stood: deque[tuple[float, Sequence[float]]] = deque()
@@ -276,9 +254,14 @@ class TrackingWatch:
                 self._stuck = swings.size, self._say(k, frequency)
 
     def remarks(self) -> tuple[Note, ...]:
-        """Return what has stuck and slipped worst, by less than is a fault, if anything has."""
-        _, sentence = self._stuck
-        return (Note(STICKS, sentence),) if sentence else ()
+        """Return what has stuck and slipped, or strayed, worst, by less than is a fault."""
+        notes = [Note(STICKS, self._stuck[1])] if self._stuck[1] else []
+        off, k = self._farthest
+        if off:
+            permitted = f"{self._following * 1e3:.3g} mm of `limits.following`"
+            far = f"{self._names[k]} was up to {off * 1e3:.2g} mm off its reference, beyond the"
+            notes.append(Note(STRAYED, f"{far} {permitted}, for less than {self._alarm.lost:g} s"))
+        return tuple(notes)
 
     def _check_far(
         self, k: int, error: float, place: float, now: float, held: Callable[[], str | None]
@@ -287,7 +270,12 @@ class TrackingWatch:
         following, followed = self._following, self._followed[k]
         if -following <= error <= following or followed is None:
             self._followed[k] = now, place
+            if self._away[k]:
+                if now - self._swings[k].step[1] > self._alarm.slowest:  # nobody follows a step
+                    self._farthest = max(self._farthest, (self._away[k], k))
+                self._away[k] = 0.0
             return
+        self._away[k] = max(self._away[k], abs(error))
         since, left_at = followed
         way = place - left_at if error > 0.0 else left_at - place
         name = self._names[k]
