@@ -14,11 +14,6 @@ from rig.tuning.workbench import Workbench, workbench_of
 
 PERFORM = "rig.tuning.candidate:perform"
 
-_MAY_MISS = 5
-"""One in so many of the drawn plants counts no more than the next one: on some units a pair catches
-while it is shaken, whatever the gains. Where the worst one counted, a search gave away half of the
-accuracy of `cylinder-valves` for it."""
-
 
 def job_of(
     text: str,
@@ -87,7 +82,7 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
             return LOST + len(chosen) - number - trials[-1].lasted
     stopped = sum(trial.strayed >= 1.0 for trial in trials) if len(chosen) == len(corners) else 0
     measured = _measured(bench, gains, plants)
-    nearest = sorted(measured, key=lambda loop: -loop.sensitivity)[len(measured) // _MAY_MISS :]
+    nearest = sorted(measured, key=lambda loop: -loop.sensitivity)[plants.spared :]
     return score(trials, nearest or margins).cost + STOPPED * stopped
 
 

@@ -49,10 +49,13 @@ class Plants(NamedTuple):
         Numbers of its corners: a motion is run there.
     drawn : tuple of int
         Numbers of its drawn plants, of whichever part: margins are measured there.
+    spared : int
+        So many of these count no more than the next one, those whose margins are least.
     """
 
     corners: tuple[int, ...]
     drawn: tuple[int, ...] = ()
+    spared: int = 0
 
 
 class Ensemble:

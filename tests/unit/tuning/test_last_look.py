@@ -18,6 +18,7 @@ from rig.tuning.workbench import Request
 STABLE = ClosedLoop(True, 50.0, 1.0, 0.01, 1.4)
 PLANTS = 12
 EVERYWHERE = Plants(tuple(range(PLANTS)))
+QUIET = SimpleNamespace(say=lambda _: None)
 REQUEST = Request("rig", "law", None, (), None, 0)
 
 
@@ -53,24 +54,25 @@ class Bench:
         return Trial({"slow": error}, 0.0, 0.0, 1.2 if stopped else 0.1, 1.0)
 
 
+class Alone:
+    """What `Jury` says, in this process; counts the corners that each candidate had."""
+
+    def __init__(self, bench):
+        self.bench, self.had = bench, []
+
+    def __call__(self, places, plants):
+        self.had.extend(len(plants.corners) for _ in places)
+        gains = [gains_at(self.bench.tunables, place) for place in places]
+        return [*zip([cost_of(self.bench, one, plants) for one in gains], places, strict=True)]
+
+    def shake(self, place, part):
+        return self.bench.shake(gains_at(self.bench.tunables, place), part)
+
+
 def searched(bench, folder):
     """Return what was found, and how many plants each candidate had."""
-    search = GainSearch(bench, REQUEST, folder, 1, 6)
-    had = []
-
-    class Alone:
-        """What `Jury` says, in this process."""
-
-        def __call__(self, places, plants):
-            had.extend(len(plants.corners) for _ in places)
-            gains = [gains_at(bench.tunables, place) for place in places]
-            return [*zip([cost_of(bench, one, plants) for one in gains], places, strict=True)]
-
-        def shake(self, place, part):
-            return bench.shake(gains_at(bench.tunables, place), part)
-
-    found = search._go(Alone(), SimpleNamespace(say=lambda _: None))
-    return found, had
+    alone = Alone(bench)
+    return GainSearch(bench, REQUEST, folder, 1, 6)._go(alone, QUIET), alone.had
 
 
 def test_the_best_of_all_parts_have_every_plant(tmp_path):
@@ -143,11 +145,11 @@ def test_margins_that_are_measured_have_the_word_on_the_drawn_plants_that_are_as
     assert shaken[:2] == [7, 3]
 
 
-def test_one_of_five_plants_that_catch_while_they_are_shaken_asks_for_no_softer_gains():
+def test_a_plant_that_catches_while_it_is_shaken_asks_for_no_softer_gains():
     bench, gains = Bench(), {"a": 4.0, "b": 1.0}
     found = {number: 1.5 + 0.01 * number for number in range(12)}
     bench.measured = lambda gains, members: [STABLE._replace(sensitivity=found[m]) for m in members]
-    plants = Plants((0, 1), tuple(range(12)))
+    plants = Plants((0, 1), tuple(range(12)), spared=2)
     cost = cost_of(bench, gains, plants)
     found |= {5: 9.0, 7: float("inf")}
     assert cost_of(bench, gains, plants) == cost
@@ -155,11 +157,33 @@ def test_one_of_five_plants_that_catch_while_they_are_shaken_asks_for_no_softer_
     assert cost_of(bench, gains, plants) > cost
 
 
+@pytest.mark.parametrize(("bears", "share"), [(9.0, 1.0), (5.9, 0.8), (3.9, 0.6), (2.5, 0.4)])
+def test_the_search_goes_back_towards_the_gains_in_force_as_far_as_drawn_plants_ask(
+    bears, share, tmp_path
+):
+    """Two of 200 plants have no margin: so many are spared. Beyond some gain there is a third."""
+    bench, seen = Bench(), set()
+
+    def measured(gains, members):
+        seen.update(members)
+        missing = 2 if gains["a"] <= bears else 3
+        near = [9.0] * missing + [1.6] * (len(members) - missing)
+        return [STABLE._replace(sensitivity=one) for one in near]
+
+    bench.measured = measured
+    here, best = (place_of(bench.tunables, SimpleNamespace(a=a, b=2.0)) for a in (1.0, 8.9))
+    search = GainSearch(bench, REQUEST, tmp_path, 1, 6)
+    seen_before = EVERYWHERE._replace(drawn=(205, 403, 610))
+    found = search._way_back(Alone(bench), here, best, seen_before, QUIET)
+    assert found == [old + share * (new - old) for old, new in zip(here, best, strict=True)]
+    assert seen == set(range(4 * DRAWN, 5 * DRAWN))
+
+
 def test_those_of_two_hundred_plants_that_gains_bear_least_are_shaken_others_for_each_part(
     tmp_path,
 ):
     """Plants on which gains were found say too much good of them: the verdict has others."""
-    bench, spread = Bench(), np.random.default_rng(2119).permutation(6 * DRAWN)
+    bench, spread = Bench(), np.random.default_rng(2119).permutation(7 * DRAWN)
 
     def measured(gains, members):
         return [STABLE._replace(sensitivity=1.3 + 1e-4 * spread[m]) for m in members]
