@@ -9,7 +9,7 @@ from rig.sweeping.finding import MetricCell, PointFinding, one_line
 from rig.sweeping.point import PointJob
 from rig.sweeping.source import PointSource
 from rig.tuning.ensemble import Plants
-from rig.tuning.score import LOST, NEAREST, REFUSED, STOPPED, UNSTABLE, score
+from rig.tuning.score import HUNTING, LOST, NEAREST, REFUSED, STOPPED, UNSTABLE, score
 from rig.tuning.workbench import Workbench, workbench_of
 
 PERFORM = "rig.tuning.candidate:perform"
@@ -63,8 +63,8 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
 
     No time is spent on those that are not stable, or that hardware is refused with on the plant as
     told, nor on more plants than one that is lost. Where all corners are asked for, each that the
-    program would be stopped on costs `STOPPED`: nobody has calibrated those, so a stop is no
-    hazard, and no margin is given for it. Margins are measured on the drawn plants, where a loop
+    program would be stopped on, or that hunts, costs `STOPPED`: nobody has calibrated those, so a
+    stop is no hazard, and no margin is given for it. Margins are measured on the drawn plants, where a loop
     can be; else a linear model has the word.
     """
     margins = bench.margins(gains, bench.ensemble.near())
@@ -80,7 +80,8 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
         trials.append(bench.trial(gains, member, coarse=True))
         if trials[-1].lasted < 1.0:
             return LOST + len(chosen) - number - trials[-1].lasted
-    stopped = sum(trial.strayed >= 1.0 for trial in trials) if len(chosen) == len(corners) else 0
+    bad = sum(trial.strayed >= 1.0 or trial.hunting > HUNTING for trial in trials)
+    stopped = bad if len(chosen) == len(corners) else 0
     measured = _measured(bench, gains, plants)
     nearest = sorted(measured, key=lambda loop: -loop.sensitivity)[plants.spared :]
     return score(trials, nearest or margins).cost + STOPPED * stopped

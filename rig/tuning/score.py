@@ -12,13 +12,15 @@ REVERSALS: Final = 25.0
 STRAYED: Final = 0.8
 """More than this share of the error that stops a rig is too much on any plant."""
 QUIET: Final = 0.1e-3
-"""More motion than this in a hold is hunting, SI."""
+"""More motion than this in a hold is hunting, SI …"""
+HUNTING: Final = 0.3e-3
+"""… and more than this, SI, is worse than a cost: no run that hunts so is well."""
 _FINEST: Final = 1e-6
 """Errors below this are none, SI."""
 LOST: Final = 1000.0
 """Cost of gains that lose a plant, and more the earlier they do."""
 STOPPED: Final = 1.0
-"""Cost of each plant that the program would be stopped on."""
+"""Cost of each plant that the program would be stopped on, or that hunts for good."""
 REFUSED: Final = 1500.0
 """Cost of gains that hardware is refused with, and more the nearer they are to instability."""
 UNSTABLE: Final = 2000.0

@@ -50,7 +50,7 @@ FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
 _SHORTLIST: Final = (2, 2, 4)
 """So many candidates, the best of each part of the search, have the whole ensemble in the end."""
-_WALKED: Final = 2
+_WALKED: Final = 6
 """So many of the walk, or of what was seen before it, have it, too."""
 LAST_LOOK: Final = 1 + _WALKED + sum(_SHORTLIST)
 """At most, those in force among them: some are the best of two parts."""
