@@ -64,8 +64,8 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
     No time is spent on those that are not stable, or that hardware is refused with on the plant as
     told, nor on more plants than one that is lost. Where all corners are asked for, each that the
     program would be stopped on, or that hunts, costs `STOPPED`: nobody has calibrated those, so a
-    stop is no hazard, and no margin is given for it. Margins are measured on the drawn plants, where a loop
-    can be; else a linear model has the word.
+    stop is no hazard, and no margin is given for it. Margins are measured on the drawn plants,
+    where a loop can be; else a linear model has the word.
     """
     margins = bench.margins(gains, bench.ensemble.near())
     unstable = sum(not margin.stable for margin in margins)
