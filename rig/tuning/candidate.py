@@ -64,7 +64,8 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
     No time is spent on those that are not stable, or that hardware is refused with on the plant as
     told, nor on more plants than one that is lost. Where all corners are asked for, each that the
     program would be stopped on, or that hunts, costs `STOPPED`: nobody has calibrated those, so a
-    stop is no hazard, and no margin is given for it. Margins are measured on the drawn plants,
+    stop is no hazard, and no margin is given for it; and these are run with the profile's substep,
+    as the verdict does: who hunts differs with it. Margins are measured on the drawn plants,
     where a loop can be; else a linear model has the word.
     """
     margins = bench.margins(gains, bench.ensemble.near())
@@ -75,13 +76,14 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], plants: Plants) -> flo
         return REFUSED + min(margins[0].sensitivity, NEAREST)
     corners = bench.ensemble.corners()
     chosen = [corners[number] for number in plants.corners]
+    has_all = len(chosen) == len(corners)
     trials = []
     for number, member in enumerate(chosen):
-        trials.append(bench.trial(gains, member, coarse=True))
+        trials.append(bench.trial(gains, member, coarse=not has_all))
         if trials[-1].lasted < 1.0:
             return LOST + len(chosen) - number - trials[-1].lasted
     bad = sum(trial.strayed >= 1.0 or trial.hunting > HUNTING for trial in trials)
-    stopped = bad if len(chosen) == len(corners) else 0
+    stopped = bad if has_all else 0
     measured = _measured(bench, gains, plants)
     nearest = sorted(measured, key=lambda loop: -loop.sensitivity)[plants.spared :]
     return score(trials, nearest or margins).cost + STOPPED * stopped

@@ -44,7 +44,7 @@ def start(*more):
 @pytest.mark.slow
 def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_off(place):
     whole = start("--out", "whole", "--replace")
-    table, said = whole.communicate(timeout=600)
+    table, said = whole.communicate(timeout=1500)
     assert whole.returncode == 0, said
     file = place / "configs" / "calibration" / "cylinder" / "controllers.pid.yaml"
     found = yaml.safe_load(file.read_text())["values"]
@@ -82,7 +82,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
         assert not file.exists()
         time.sleep(1.0)  # its workers end with it
     again = start("--out", "broken", "--replace")
-    _, said = again.communicate(timeout=600)
+    _, said = again.communicate(timeout=1500)
     assert again.returncode == 0, said
     assert yaml.safe_load(file.read_text())["values"] == found
 

@@ -137,6 +137,15 @@ def test_where_all_plants_are_asked_for_each_that_hunts_costs_as_much_as_one_tha
     assert few < more < few + 0.1
 
 
+def test_all_plants_are_run_as_the_verdict_runs_them_and_few_of_them_coarsely():
+    bench, ways = Bench(), []
+    trial = bench.trial
+    bench.trial = lambda *of, coarse: ways.append(coarse) or trial(*of, coarse=coarse)
+    for plants in (EVERYWHERE, Plants((0, 1))):
+        cost_of(bench, {"a": 4.0, "b": 1.0}, plants)
+    assert ways == [False] * PLANTS + [True] * 2
+
+
 def test_a_margin_is_not_given_for_a_plant_that_stops():
     bench = Bench()
     bench.bears = 5.0
