@@ -75,7 +75,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     from rig.sweeping.errors import SweepStopped
     from rig.tuning.attempt import keep_attempt
     from rig.tuning.search import GainSearch
-    from rig.tuning.verdict import in_short, judge, objections, plants_of, trades
+    from rig.tuning.verdict import in_short, judge, objections, other_levers, plants_of, trades
     from rig.tuning.workbench import Request, Workbench
 
     need("cma", "matplotlib")  # which draws what was found
@@ -113,7 +113,7 @@ def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> i
     for objection in against:
         click.echo(f"against these gains: {objection}", err=True)
     traded = trades(now, before, bench.unit)
-    for sentence in traded:
+    for sentence in (*traded, *filter(None, [other_levers(now)])):
         click.echo(sentence, err=True)
     attempt = keep_attempt(
         folder, controller, options["generations"], against, given_options(_KEPT), is_put=is_put
@@ -152,8 +152,19 @@ def _as_data(verdict: EnsembleVerdict) -> dict[str, object]:
         "reversals": verdict.reversals,
         "lost": [member.name for member in verdict.lost],
         "robust": verdict.robust,
+        "drawn": {
+            "plants": len(verdict.margins), "told": verdict.told, "keep": verdict.keeping,
+            "measured": verdict.measured,
+        },
+        "linear_sensitivity": _linear(verdict),
         "cost": verdict.cost,
-    }
+    }  # fmt: skip
+
+
+def _linear(verdict: EnsembleVerdict) -> float | None:
+    """Return the linear model's sensitivity on the plant as told; None: the loop is not stable."""
+    loop = verdict.linear
+    return loop.sensitivity if loop is not None and loop.stable else None
 
 
 def _folder(out: Path, bench: Workbench, request: Request) -> Path:
@@ -209,10 +220,12 @@ def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> No
         ("hunting", text(before.hunting), text(now.hunting)),
         ("reversals of a setpoint", *(f"{v.reversals:.1f} /s" for v in (before, now))),
         ("lost plants", str(len(before.lost)), str(len(now.lost))),
+        ("drawn plants that were told", *(f"{v.told} of {len(v.margins)}" for v in (before, now))),
         (
             "drawn plants with enough margin",
-            *(f"{100 * v.robust:.0f} %{measured}" for v in (before, now)),
+            *(f"{v.keeping} of {len(v.margins)}{measured}" for v in (before, now)),
         ),
+        ("sensitivity as told, linear", *(_or_unstable(_linear(v)) for v in (before, now))),
         ("cost", f"{before.cost:.3f}", f"{now.cost:.3f}"),
     ]  # fmt: skip
     gains = [(name, f"{before.gains[name]:g}", f"{gain:g}") for name, gain in now.gains.items()]
@@ -221,6 +234,10 @@ def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> No
         Table("the most on any plant", ("what", "before", "now"), quiet),
         Table("gains", ("gain", "before", "now"), gains),
     ])  # fmt: skip
+
+
+def _or_unstable(sensitivity: float | None) -> str:
+    return "not stable" if sensitivity is None else f"{sensitivity:.3g}"
 
 
 def _draw(folder: Path, found: FoundGains, now: EnsembleVerdict, before: EnsembleVerdict) -> None:

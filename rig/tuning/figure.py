@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.hal.closed_loop import SENSITIVITY
+from rig.hal.closed_loop import SENSITIVITY, ClosedLoop
 from rig.report.style import BLUE, GREY, INK, PAGE, VERMILION, new_figure, paper_style
-from rig.tuning.verdict import EnsembleVerdict
+from rig.tuning.verdict import EnsembleVerdict, is_told
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _MOST_SHOWN = 4.0
 """Greatest sensitivity that is drawn where it is."""
+_UNTOLD = 4.7
+"""Where loops are drawn that were not told."""
 _WIDEST_LABEL = 8
 """Letters of a line below the errors."""
 
@@ -68,12 +70,23 @@ def _draw_errors(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) ->
 
 def _draw_margins(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -> None:
     for verdict, color in ((before, GREY), (now, BLUE)):
-        sizes = sorted(
-            min(margin.sensitivity, _MOST_SHOWN) if margin.stable else _MOST_SHOWN
-            for margin in verdict.margins
-        )
+        sizes = sorted(_place(margin) for margin in verdict.margins)
         axes.step(sizes, np.arange(1, len(sizes) + 1) / len(sizes), color=color, where="post")
     axes.axvline(SENSITIVITY, color=VERMILION, lw=0.8, ls="--")
-    axes.set_xlim(1.0, 1.02 * _MOST_SHOWN)
-    axes.set_xlabel(f"sensitivity ({_MOST_SHOWN:g}: or more)\ndashed: at most {SENSITIVITY:g}")
+    most = f"{_MOST_SHOWN:g}: or more"
+    if any(verdict.told < len(verdict.margins) for verdict in (before, now)):
+        axes.set_xlim(1.0, _UNTOLD + 0.1)
+        ticks = range(1, int(_MOST_SHOWN) + 1)
+        axes.set_xticks([*ticks, _UNTOLD], labels=[*map(str, ticks), "not\ntold"])
+        axes.axvspan(_MOST_SHOWN + 0.1, _UNTOLD + 0.1, color=GREY, alpha=0.15, lw=0.0)
+    else:
+        axes.set_xlim(1.0, 1.02 * _MOST_SHOWN)
+    axes.set_xlabel(f"sensitivity ({most})\ndashed: at most {SENSITIVITY:g}")
     axes.set_ylabel("share of drawn plants")
+
+
+def _place(margin: ClosedLoop) -> float:
+    """Return where a loop is drawn: what is not told stands beside the greatest."""
+    if not is_told(margin):
+        return _UNTOLD
+    return min(margin.sensitivity, _MOST_SHOWN) if margin.stable else _MOST_SHOWN

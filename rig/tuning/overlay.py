@@ -94,6 +94,7 @@ def _figures(bench: Workbench, verdict: EnsembleVerdict) -> dict[str, str]:
         "reversals": f"{verdict.reversals:.1f} a second",
         "lost plants": f"{len(verdict.lost)} of {len(verdict.trials)}",
         "sensitivity kept": f"{100 * verdict.robust:.1f} % of {len(verdict.margins)} plants, "
+        + ("" if verdict.told == len(verdict.margins) else f"{verdict.told} of them told, ")
         + ("measured" if verdict.measured else "by the linear model"),
         "cost": f"{verdict.cost:.3f}",
     }

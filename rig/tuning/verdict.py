@@ -38,6 +38,8 @@ class EnsembleVerdict(NamedTuple):
         Whether they were measured there; else they are a linear model's.
     cost : float
         What the search minimises.
+    linear : ClosedLoop or None
+        The linear model's, on the plant as told; None: nobody asked it.
     """
 
     gains: dict[str, float]
@@ -46,6 +48,7 @@ class EnsembleVerdict(NamedTuple):
     margins: tuple[ClosedLoop, ...]
     cost: float
     measured: bool = False
+    linear: ClosedLoop | None = None
 
     @property
     def lost(self) -> list[Member]:
@@ -91,8 +94,22 @@ class EnsembleVerdict(NamedTuple):
     @property
     def robust(self) -> float:
         """Share of the drawn plants whose loop keeps its distance from the critical point."""
-        kept = [margin.stable and margin.sensitivity <= SENSITIVITY for margin in self.margins]
-        return float(np.mean(kept))
+        return self.keeping / len(self.margins)
+
+    @property
+    def keeping(self) -> int:
+        """How many of the drawn plants that are."""
+        return sum(margin.stable and margin.sensitivity <= SENSITIVITY for margin in self.margins)
+
+    @property
+    def told(self) -> int:
+        """How many of the drawn plants have a loop that is told: what is not may be anything."""
+        return sum(is_told(margin) for margin in self.margins)
+
+
+def is_told(margin: ClosedLoop) -> bool:
+    """Return whether anything is known of a loop's distance; see `TuningBench.measured`."""
+    return not margin.stable or math.isfinite(margin.sensitivity)
 
 
 def _fate(trial: Trial) -> str:
@@ -134,11 +151,12 @@ def judge(
         tell(1)
     drawn = bench.ensemble.draw()
     measured = _measured(bench, gains, drawn, tell)
-    margins = measured or bench.margins(gains, [bench.ensemble.nominal, *drawn])[1:]
+    linear, *margins = bench.margins(gains, [bench.ensemble.nominal, *(() if measured else drawn)])
+    margins = measured or margins
     far = sorted(margins, key=lambda margin: margin.sensitivity)[: math.ceil(ENOUGH * len(margins))]
     cost = score(trials, far).cost
     kept = tuple(trials), tuple(margins)
-    return EnsembleVerdict(dict(gains), members, *kept, cost, bool(measured))
+    return EnsembleVerdict(dict(gains), members, *kept, cost, bool(measured), linear)
 
 
 def _measured(
@@ -191,9 +209,34 @@ def _lost(now: EnsembleVerdict, before: EnsembleVerdict) -> str:
 
 
 def _margin(now: EnsembleVerdict, before: EnsembleVerdict) -> str:
+    asked = math.ceil(ENOUGH * len(now.margins))
+    return f"{_keeping(now)}, and {asked} are asked for (before: {_counted(before)})"
+
+
+def _keeping(verdict: EnsembleVerdict) -> str:
+    """Return in words how many drawn plants keep their distance, and how many were told."""
+    count, bound = len(verdict.margins), f"keep a sensitivity of at most {SENSITIVITY:g}"
+    if verdict.told == count:
+        return f"only {verdict.keeping} of {count} drawn plants {bound}"
     return (
-        f"only {now.robust:.3g} of {len(now.margins)} drawn plants keep a sensitivity of at most "
-        f"{SENSITIVITY:g}, and {ENOUGH:g} are asked for (before: {before.robust:.3g})"
+        f"of {count} drawn plants {verdict.told} were told, of which {verdict.keeping} {bound} "
+        "(the others catch, or swing by themselves, while they are shaken)"
+    )
+
+
+def _counted(verdict: EnsembleVerdict) -> str:
+    told, count = verdict.told, len(verdict.margins)
+    return f"{verdict.keeping}" if told == count else f"{verdict.keeping} of {told} that were told"
+
+
+def other_levers(now: EnsembleVerdict) -> str:
+    """Return what helps where gains alone do not keep the bound; empty: they do."""
+    if now.robust >= ENOUGH:
+        return ""
+    return (
+        "where no gains keep it, more of the rig than its gains has to change: less dead time "
+        "(shorter tubes, quicker regulators), a lower base pressure, other seals; "
+        "rig/tuning/README.md, 'Where no gains do it', says what each is worth"
     )
 
 
@@ -247,8 +290,12 @@ def trades(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> Sequence
         for name, old, new in _compared(now, before)
         if new > old
     ]
-    if before.robust > now.robust:
-        worse.append(f"drawn plants with margin {before.robust:.0%} to {now.robust:.0%}")
+    if before.keeping > now.keeping:
+        worse.append(
+            f"drawn plants with margin {before.keeping} to {now.keeping} of {len(now.margins)}"
+        )
+    if before.told > now.told:
+        worse.append(f"drawn plants that were told {before.told} to {now.told}")
     if worse and now.cost < before.cost:
         found.append(f"traded for a lower cost, worse than before: {', '.join(worse)}")
     return found
@@ -277,8 +324,9 @@ def in_short(now: EnsembleVerdict, before: EnsembleVerdict, unit: str) -> str:
         Of motion in a hold, SI.
     """
     rows = [
-        (before.robust, now.robust,
-         f"margin ({100 * before.robust:.3g} to {100 * now.robust:.3g} % of drawn plants)", -1),
+        (before.keeping, now.keeping,
+         f"margin ({before.keeping} to {now.keeping} of {len(now.margins)} drawn plants)", -1),
+        (before.told, now.told, f"drawn plants that were told {before.told} to {now.told}", -1),
         (len(before.lost), len(now.lost), f"lost plants {len(before.lost)} to {len(now.lost)}", 1),
         (before.hunting, now.hunting, "hunting "
          + " to ".join(format_quantity(v.hunting, unit) for v in (before, now)), 1),
