@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
 
 _FAR = 3.0
 """So many times the crossover a loop should be known."""
-_FILE = "margins"
+_SHAKE, _LITTLE = "reference.shake", 0.15
+"""The key of the shake, and one with which pairs glide on that stick with the usual one."""
 _UNITS = {"crossover": "rad/s", "phase": "rad", "delay": "s", "sensitivity": "1"}
 
 
@@ -74,7 +76,8 @@ def margins(
     From its log come the crossover, the phase and delay margins and the greatest sensitivity,
     with their 95 % intervals, beside those of the linear model. Gains that `rig tune` has put in
     force are compared with those before them, on the same recording: if they are worse, and miss
-    the bound of 1.7, those before them are put in force again (exit 1).
+    the bound of 1.7, those before them are put in force again (exit 1). A loop that the recording
+    does not tell is exit 1, too.
 
     The run folder gets margins.json and a figure. Hardware moves only when the rig's name was
     typed, or given by --yes.
@@ -85,6 +88,7 @@ def margins(
     from rig.config.names import find_configs
     from rig.experiment.ending import EXIT_MISSED, EXIT_OK, EXIT_USAGE
     from rig.experiment.plan import load_plan, split_overrides
+    from rig.hal.measured_loop import LoopUntold
     from rig.tuning.measured import loop_teller, measured_beside
 
     search = find_configs(configs)
@@ -100,7 +104,12 @@ def margins(
     if result.exit_code not in (EXIT_OK, EXIT_MISSED):
         _tell_ended(result)
         return result.exit_code
-    loops = measured_beside(result.path, plan.profile, controller, search, of_rig)
+    try:
+        loops = measured_beside(result.path, plan.profile, controller, search, of_rig)
+    except LoopUntold as untold:
+        of = ["rig", "margins", rig, "--controller", controller, "--on", on]
+        _tell_untold(result.path, untold, with_smaller_shake(of, overrides), as_json)
+        return EXIT_MISSED
     figures = _keep(result.path, loops)
     back = None
     if loops.is_worse and not leave:
@@ -135,23 +144,52 @@ def _tell_ended(result: Result) -> None:
     click.echo(f"what it means, and what to check: rig explain {result.path}", err=True)
 
 
+def with_smaller_shake(words: Sequence[str], overrides: Sequence[str]) -> str:
+    """Return the command that shakes less; empty: it was shaken as little already."""
+    sets, shaken = [], math.inf
+    for one in overrides:
+        key, _, value = one.partition("=")
+        if key.strip() == _SHAKE:
+            shaken = float(value)  # that it is a number was seen when it was run
+        else:
+            sets += ["--set", one]
+    if shaken <= _LITTLE:
+        return ""
+    return shlex.join([*words, *sets, "--set", f"{_SHAKE}={_LITTLE:g}"])
+
+
+def _tell_untold(run: Path, untold: Exception, softer: str, as_json: bool) -> None:
+    """Say that a recording tells no loop, and what may; `rig explain` of the run finds it."""
+    from rig.json_file import write_json
+    from rig.run_facts import MARGINS, UNTOLD
+    from rig.run_folder import RunFolder
+
+    write_json(RunFolder.open(run).place(MARGINS), {UNTOLD: str(untold)})
+    click.echo(str(untold), err=True)
+    if softer:
+        click.echo(f"with a smaller shake a pair that sticks may glide on: {softer}", err=True)
+    click.echo("what else there is to do: rig explain unknown_loop", err=True)
+    if as_json:
+        print_json({"run": run, UNTOLD: str(untold)})
+
+
 def _keep(run: Path, loops: LoopsBeside) -> list[Path]:
     """Write what was measured into the run folder; return the figure's files."""
     from rig.json_file import write_json
     from rig.report.data import imprint_of
     from rig.report.loop_figure import draw_loops
     from rig.report.style import paper_style, save
-    from rig.run_facts import FIGURES
+    from rig.run_facts import FIGURES, MARGINS
     from rig.run_folder import RunFolder
 
     folder = RunFolder.open(run)
-    write_json(folder.place(f"{_FILE}.json"), _as_data(loops))
+    write_json(folder.place(MARGINS), _as_data(loops))
     shown = {"in force": loops.now}
     if loops.before is not None:
         shown["before"] = loops.before
     with paper_style():
         figure = draw_loops(shown)
-        return save(figure, folder.place(FIGURES), _FILE, imprint_of([folder]))[:1]
+        return save(figure, folder.place(FIGURES), Path(MARGINS).stem, imprint_of([folder]))[:1]
 
 
 def _put_back(plan: Plan, controller: str, loops: LoopsBeside, search: Sequence[Path]) -> Path:

@@ -126,10 +126,11 @@ class _Kept(TypedDict):
 def _sensitivity(run: Path) -> str | None:
     """Return the greatest sensitivity that was measured, with its interval; None: there is none."""
     from rig.hal import ConfigurationError
+    from rig.run_facts import MARGINS
     from rig.typed_json import read_json
 
     try:
-        found = read_json(run / "margins.json", _Kept)["now"]["sensitivity"]
+        found = read_json(run / MARGINS, _Kept)["now"]["sensitivity"]
     except (ConfigurationError, OSError):
         return None
     if found["measured"] is None:

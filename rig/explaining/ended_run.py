@@ -10,12 +10,14 @@ from typing import NamedTuple, TypedDict, cast
 
 from rig.config.names import is_path
 from rig.explaining.exit_codes import EXIT_CODES
-from rig.explaining.faults import FaultTopic, topic_of
+from rig.explaining.faults import FaultTopic, refusal_of, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
 from rig.hal.hindsight import FLAWS
 from rig.run_facts import (
     EVALUATION,
+    MARGINS,
+    UNTOLD,
     Manifest,
     RunStatus,
     has_moved,
@@ -126,6 +128,10 @@ def explain_run(folder: Path) -> list[Remark]:
     if status == RunStatus.FAILED:
         after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
         return [*said, *_missed(folder), *(after or _after_missing(rig, folder, names))]
+    if untold := _untold(folder):
+        said.append(Remark("not told", untold))
+        topic = refusal_of(untold)
+        return [*said, *(_remarks(topic, folder, names) if topic else ())]
     if status == RunStatus.OK:
         if seen:
             return [*said, *_remarks(seen[0], folder, names)]
@@ -202,6 +208,14 @@ def _evaluation(folder: Path) -> _Foreseen:
         return RunFolder.open(folder).read_json(EVALUATION, _Foreseen)
     except (OSError, ConfigurationError):
         return {}
+
+
+def _untold(folder: Path) -> str:
+    """Return what `rig margins` has said of a run that told no loop; empty of any other."""
+    try:
+        return str(RunFolder.open(folder).read_json(MARGINS, dict[str, object]).get(UNTOLD, ""))
+    except (OSError, ConfigurationError):
+        return ""
 
 
 def _foreseen(folder: Path) -> Iterator[Remark]:

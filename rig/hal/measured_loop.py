@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.hal.closed_loop import ClosedLoop
+from rig.hal.errors import ConfigurationError
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -17,6 +18,10 @@ _LOST = 0.5
 """Share of what was drawn in which a margin may be unknown."""
 _POINTS = 2000
 """Frequencies between the least and the greatest that were measured."""
+
+
+class LoopUntold(ConfigurationError):
+    """A recording of a run that was as it should be does not tell its loop: noise hides it."""
 
 
 class MeasuredLoop(NamedTuple):

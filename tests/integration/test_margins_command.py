@@ -1,6 +1,8 @@
 """`rig margins` as a person uses it: after `rig tune`, on the rig."""
 
 import json
+import re
+import shlex
 import shutil
 from datetime import UTC, datetime, timedelta
 
@@ -12,6 +14,7 @@ from rig.calibration.store import write
 from rig.cli import invoke
 from rig.config import load_profile
 from rig.config.names import find_configs
+from rig.explaining.faults import refusal_topics
 
 TARGET = "controllers.cascade"
 QUICK = ("--on", "sim")
@@ -122,3 +125,39 @@ def test_a_run_that_ends_in_a_fault_tells_no_margins(place, capfd):
     code = invoke(["margins", "cylinder", *QUICK, "--set", "plant.regulator.bandwidth=15 rad/s"])
     out, err = capfd.readouterr()
     assert code == 4 and "rig explain" in err and not out
+
+
+def test_a_loop_that_is_not_told_is_a_bound_missed_with_a_way_on(place, capfd):
+    """Glides at 4 mm/s stick: nobody's file or option is wrong."""
+    slow = ("--set", "reference.speed=4 mm/s", "--set", "reference.repeats=4")
+    assert invoke(["margins", "cylinder", *QUICK, *slow]) == 1
+    out, err = capfd.readouterr()
+    assert not out and "the loop cannot be told from noise" in err
+    words = "rig margins cylinder --controller cascade --on sim --set 'reference.speed=4 mm/s'"
+    assert f"{words} --set reference.repeats=4 --set reference.shake=0.15\n" in err
+    assert "rig explain unknown_loop" in err
+
+    assert invoke(["explain"]) == 0
+    told = capfd.readouterr().out
+    assert "not told: " in told and "kind: unknown_loop" in told and "went well" not in told
+    assert "`rig margins cylinder --set reference.shake=0.15`" in " ".join(told.split())
+    assert invoke(["status", "cylinder"]) in (0, 1)  # what was not told is no measurement
+    assert "loop of cascade, measured" not in capfd.readouterr().out
+
+
+def test_a_loop_that_is_not_told_is_said_to_programs_too(place, capfd):
+    slow = ("--set", "reference.speed=4 mm/s", "--set", "reference.repeats=4")
+    code, found, err = measured(capfd, *slow, "--set", "reference.shake=0.1")
+    assert code == 1 and "cannot be told from noise" in found["untold"]
+    assert "reference.shake=0.15" not in err  # it is less already
+
+
+def test_what_is_advised_for_a_loop_that_is_not_told_runs_on_the_shipped_pair(place, capfd):
+    """The topic advised a speed at which the glide of the shipped experiment is too short."""
+    topic = next(topic for topic in refusal_topics() if topic.name == "unknown_loop")
+    advised = re.findall(r"`rig margins RIG ([^`]+)`", dict(topic.remarks())["mend"])
+    assert len(advised) == 2
+    for words in advised:
+        code, found, err = measured(capfd, *shlex.split(words))
+        assert code == 0, err
+        assert found["now"]["sensitivity"]["measured"] < 2.0

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from controllers.cylinder.law import AnyPairLaw
 from rig.hal import ConfigurationError
-from rig.hal.measured_loop import Array, MeasuredLoop
+from rig.hal.measured_loop import Array, LoopUntold, MeasuredLoop
 from rig.mechanisms.pneumatic.shaken_pair import ShakenLaw, ShakenPair
 
 if TYPE_CHECKING:
@@ -54,6 +54,8 @@ def loop_of_glides(
     Raises
     ------
     ConfigurationError
+        They are too few.
+    LoopUntold
         They do not tell it.
     """
     path = run.folder.path
@@ -64,6 +66,6 @@ def loop_of_glides(
     try:
         return pair.under(ShakenLaw(law, frequencies))
     except ValueError as error:
-        raise ConfigurationError(
+        raise LoopUntold(
             f"{path}: {error}: {what} sticks, or swings by itself, while it glides"
         ) from error
