@@ -213,3 +213,18 @@ def _check_stamp(stamp: str | None) -> None:
         if datetime.fromisoformat(stamp).utcoffset() is not None:
             return
     raise ConfigurationError(f"its {MANIFEST} has a time that is none: {stamp[:40]!r}")
+
+
+def ending_word(status: str, *, is_flawed: bool) -> str:
+    """Return a run's status for a person, or what came of it where that would not say it.
+
+    Parameters
+    ----------
+    status : str
+        Of the run.
+    is_flawed : bool
+        Whether something else is said of a run that failed than that it missed a bound.
+    """
+    if status != "failed":
+        return status
+    return "flawed" if is_flawed else "bound missed"

@@ -154,9 +154,9 @@ def compare(
 
 def _ending(result: Ended) -> str:
     """Return a run's status, or what came of it where that would not say it."""
-    if result.status != "failed":
-        return result.status
-    return "bound missed" if result.message is None else "flawed"
+    from rig.run_facts import ending_word
+
+    return ending_word(result.status, is_flawed=result.message is not None)
 
 
 def _say_missed(runs: Mapping[str, Path]) -> None:

@@ -189,6 +189,8 @@ def show(found: Sweep, metric: str | None) -> None:
             print_tables([Table(f"best in {name}", shown, rows)])
             if len(shown) < len(header):
                 click.echo(f"{len(header) - len(shown)} more metrics: {found.folder}", err=True)
+            if (first := data.order(metric)[:1]) and data.missed[first[0]]:
+                click.echo("no point kept all of its bounds: none of them is good", err=True)
             runs = (found.folder / LOGS / data.points[number] for number in data.order(metric))
             kept = next((run for run in runs if run.is_dir()), None)
             if kept is not None:

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 from typing import Final
 
-from rig.sweeping.finding import DONE, MetricCell, PointFinding
+from rig.sweeping.finding import DONE, MISSED, MetricCell, PointFinding
 
 KEEP_ALL: Final = -1
 
@@ -27,6 +27,8 @@ def badness(metric: MetricCell) -> float:
 class Best:
     """The best points so far; the run folders of those that are not are removed.
 
+    Those that missed a bound are behind all that kept theirs.
+
     Parameters
     ----------
     metric : str or None
@@ -41,18 +43,17 @@ class Best:
         self._metric = metric
         self._keep = keep
         self._logs = logs
-        self._best: list[tuple[float, str]] = []
+        self._best: list[tuple[bool, float, str]] = []
 
     def take(self, finding: PointFinding) -> None:
         """Take a point; remove the run folder that is not wanted any more."""
         if finding["status"] not in DONE or self._keep == KEEP_ALL:
             return
         metric = metric_of(finding, self._metric)
-        bisect.insort(
-            self._best, (math.inf if metric is None else badness(metric), finding["point"])
-        )
+        bad = math.inf if metric is None else badness(metric)
+        bisect.insort(self._best, (finding["status"] == MISSED, bad, finding["point"]))
         if len(self._best) > self._keep:
-            shutil.rmtree(self._logs / self._best.pop()[1], ignore_errors=True)
+            shutil.rmtree(self._logs / self._best.pop()[2], ignore_errors=True)
 
     def recall(self, finding: PointFinding) -> None:
         """Take a point that was finished before, if its run folder is still there."""

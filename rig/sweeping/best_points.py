@@ -27,7 +27,7 @@ def best_points(
     rows = [
         (
             *(str(values[number]) for values in data.settings.values()),
-            data.statuses[number],
+            data.ending(number),
             *(
                 _told(column.numbers[number], column.unit or "1")
                 for column in data.metrics.values()

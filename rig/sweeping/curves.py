@@ -30,6 +30,7 @@ def draw_curve(axes: "Axes", data: SweepData, metric: str, setting: str) -> None
         axes.plot(x, y, ".", ms=2.0, color=GREY, zorder=1)
         axes.plot(places, worst, color=VERMILION, lw=0.7, ls=(0, (4, 2)), label="worst")
     axes.plot(places, spread[:, 1], "o-", ms=2.5, color=BLUE, label="median")
+    _mark_missed(axes, x[data.missed], y[data.missed])
     _mark_failed(axes, x[data.failed])
     _mark_never(axes, column, x)
     if _is_logarithmic(places):
@@ -53,6 +54,7 @@ def draw_groups(axes: "Axes", data: SweepData, metric: str, setting: str | None)
         axes.plot(place, middle, "o", ms=4.0, color=BLUE, label="median" if place == 0 else None)
     aside = 0.12 * np.sin(2.4 * np.arange(len(y)))  # beside each other where many are alike
     axes.plot(x + aside, y, ".", ms=2.0, color=GREY, zorder=1)
+    _mark_missed(axes, (x + aside)[data.missed], y[data.missed])
     _mark_failed(axes, x[data.failed])
     _mark_never(axes, column, x)
     axes.set_xticks(range(len(names)), labels=[str(name) for name in names])
@@ -75,6 +77,13 @@ def _spread(values: "NDArray[np.float64]") -> tuple[float, float, float]:
     if not len(known):
         return np.nan, np.nan, np.nan
     return float(known.min()), float(np.median(known)), float(known.max())
+
+
+def _mark_missed(axes: "Axes", x: "NDArray[np.float64]", y: "NDArray[np.float64]") -> None:
+    """Ring the points that missed a bound, be it another metric's."""
+    if np.isfinite(y).any():
+        axes.plot(x, y, "o", ms=5.0, mfc="none", color=VERMILION, mew=0.7, ls="none",
+                  label="bound missed")  # fmt: skip
 
 
 def _mark_failed(axes: "Axes", x: "NDArray[np.float64]") -> None:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.hal import ConfigurationError
+from rig.run_facts import ending_word
 from rig.sweeping.axis import SEED
-from rig.sweeping.finding import DONE
+from rig.sweeping.finding import DONE, MISSED
 from rig.sweeping.table import Cell, TableRow
 
 if TYPE_CHECKING:
@@ -97,6 +98,16 @@ class SweepData:
         """Which points did not run to their end."""
         return np.array([status not in DONE for status in self.statuses], dtype=bool)
 
+    @property
+    def missed(self) -> "NDArray[np.bool_]":
+        """Which points ran to their end and missed a bound, or were flawed."""
+        return np.array([status == MISSED for status in self.statuses], dtype=bool)
+
+    def ending(self, number: int) -> str:
+        """Return what became of a point, as `rig compare` says it."""
+        is_flawed = not self.reasons[number].startswith("missed ")
+        return ending_word(self.statuses[number], is_flawed=is_flawed)
+
     def metric(self, name: str | None = None) -> tuple[str, MetricColumn]:
         """Return a metric by its name, or the first one.
 
@@ -115,10 +126,13 @@ class SweepData:
         return found, self.metrics[found]
 
     def order(self, name: str | None = None) -> list[int]:
-        """Return the numbers of the points that have a metric, the best first."""
+        """Return the numbers of the points that have a metric, the best first.
+
+        Those that missed a bound, be it another metric's, are behind all that kept theirs.
+        """
         column = self.metric(name)[1]
         values = column.sign * column.values
-        numbers = np.argsort(values, kind="stable")
+        numbers = np.lexsort((values, self.missed))
         return [int(number) for number in numbers if np.isfinite(values[number])]
 
     def _add(self, row: TableRow) -> None:

@@ -2,8 +2,10 @@
 
 from typing import Final, TypedDict
 
-DONE: Final = ("ok", "failed")
-"""Statuses of points that ran to their end; of the second a bound was missed."""
+MISSED: Final = "failed"
+"""Status of points that ran to their end and missed a bound, or were flawed."""
+DONE: Final = ("ok", MISSED)
+"""Statuses of points that ran to their end."""
 LOST: Final = "lost"
 """Status of a point whose worker died each time: it is tried again when the sweep is resumed."""
 

@@ -31,6 +31,8 @@ def draw_map(data: SweepData, metric: str, varied: Sequence[str]) -> "Figure":
         data.settings[x_name], data.settings[y_name], factor * column.values, strict=True
     ):
         fields.setdefault((ys.index(y), xs.index(x)), []).append(float(value))
+    ends = zip(data.settings[x_name], data.settings[y_name], data.missed, strict=True)
+    missed = {(ys.index(y), xs.index(x)) for x, y, is_missed in ends if is_missed}
     median, worst = np.full((2, len(ys), len(xs)), np.nan)
     for place, found in fields.items():
         known = [value for value in found if np.isfinite(value)]
@@ -55,6 +57,10 @@ def draw_map(data: SweepData, metric: str, varied: Sequence[str]) -> "Figure":
         axes.set_ylabel(y_name)
         axes.set_title(f"{title} of {metric.replace('_', ' ')}")
         _write(axes, values, low, high, bright_is_low=column.sign > 0.0)
+        for y_place, x_place in missed:
+            axes.plot(x_place, y_place, "o", ms=15.0, mfc="none", color=VERMILION, mew=0.8)
+    if missed:
+        figure.suptitle("ringed: a bound was missed", x=0.99, ha="right", fontsize=7.0)
     figure.colorbar(image, ax=figure.axes, label=unit, pad=0.02)
     return figure
 

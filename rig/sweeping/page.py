@@ -44,14 +44,17 @@ def remove_drawn(folder: Path) -> None:
 def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
     """Write ``sweep.html``; it needs no network and runs nothing."""
     data = sweep.data
-    name, _ = data.metric(metric)
+    name, column = data.metric(metric)
     order = data.order(metric)
+    worst = sorted(order, key=lambda k: column.sign * column.numbers[k], reverse=True)
     failed = [int(number) for number in data.failed.nonzero()[0]]
     unfinished = sweep.total - len(data.points)
     left = f", {unfinished} not finished" if unfinished else ""
     missed = data.statuses.count("failed")
     path = sweep.folder / PAGE
-    told = f"{missed} missed a bound, {len(failed)} failed{left}. All points stand in sweep.csv."
+    behind = ", and stand behind all that kept theirs" if missed else ""
+    told = f"{missed} missed a bound{behind}, {len(failed)} failed{left}. "
+    told += "All points stand in sweep.csv."
     picture = image((sweep.folder / "sweep.png").read_bytes(), name)
     write_whole(
         path,
@@ -60,7 +63,7 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
             element("header", element("h1", title), element("p", told)),
             element("section", element("figure", picture)),
             _section(f"Best in {name}", sweep, order[:_SHOWN]),
-            _section(f"Worst in {name}", sweep, order[::-1][:_SHOWN]),
+            _section(f"Worst in {name}", sweep, worst[:_SHOWN]),
             _section("Failed", sweep, failed[:_SHOWN]),
             _kept(sweep),
             width="80rem",
@@ -81,7 +84,7 @@ def _cells(sweep: "Sweep", number: int) -> Iterable[str]:
     yield _link(sweep, data.points[number])
     for values in data.settings.values():
         yield str(values[number])
-    yield data.statuses[number]
+    yield data.ending(number)
     for column in data.metrics.values():
         value = column.numbers[number]
         yield "" if math.isnan(value) else format_quantity(value, column.unit or "1")

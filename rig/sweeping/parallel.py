@@ -41,6 +41,7 @@ def draw_parallel(data: SweepData, metric: str, varied: Sequence[str]) -> "Figur
     drawn = LineCollection(
         [np.column_stack([places, lines[number]]) for number in order], lw=0.6, alpha=0.7,
         cmap="viridis_r" if column.sign > 0.0 else "viridis",
+        linestyles=["--" if data.missed[number] else "-" for number in order],
     )  # fmt: skip
     drawn.set_array(values[order])
     axes.add_collection(drawn)
@@ -56,6 +57,8 @@ def draw_parallel(data: SweepData, metric: str, varied: Sequence[str]) -> "Figur
     title = f"{metric.replace('_', ' ')} ({unit})" if unit else metric.replace("_", " ")
     axes.set_xticks(places, labels=[*(_folded(name) for name in varied), title])
     axes.set_yticks([])
+    if data.missed.any():
+        axes.set_title("dashed: a bound was missed", loc="right")
     axes.set_xlim(-0.1, places[-1] + 0.3)
     axes.set_ylim(-0.05, 1.05)
     axes.grid(visible=False)

@@ -56,12 +56,17 @@ def _draw(axes: "Axes", table: VariationTable, factor: float) -> None:
         places = np.arange(len(rows)) + beside[number]
         worst = np.array([row[number].value for row in rows])
         values = factor * np.where(np.isfinite(worst), worst, np.nan)
+        missed = np.array([bool(row[number].missed) for row in rows])
         axes.plot(values, places, mark, ms=3.2, color=color, label=law or None, ls="none")
+        if missed.any():
+            axes.plot(values[missed], places[missed], mark, ms=3.2, color=color, mfc="white",
+                      ls="none")  # fmt: skip
         stopped = places[[bool(row[number].stopped) for row in rows]]
         if len(stopped):  # a line without points has no place, and no layout can be found for it
             axes.plot(np.full(len(stopped), _STOPPED), stopped, "x", ms=3.6, mew=0.9, color=color,
                       transform=axes.get_yaxis_transform(), clip_on=False)  # fmt: skip
     if known and min(known) > 0.0 and max(known) > 5.0 * min(known):
         axes.set_xscale("log")
-    if any(cell.stopped for cell in table.worst):
-        axes.set_title("x: stopped", loc="right")
+    said = ["hollow: bound missed"] if any(cell.missed for cell in table.worst) else []
+    said += ["x: stopped"] if any(cell.stopped for cell in table.worst) else []
+    axes.set_title("; ".join(said), loc="right")

@@ -32,10 +32,13 @@ class Cell(NamedTuple):
         happened.
     stopped : tuple of str
         Why each of the others did not.
+    missed : int
+        How many of those that came to their end missed a bound.
     """
 
     value: float
     stopped: tuple[str, ...]
+    missed: int = 0
 
     def text(self, unit: str) -> str:
         """Return it for a person: a figure, or the name of what stopped it."""
@@ -43,8 +46,11 @@ class Cell(NamedTuple):
             others = f" ({len(self.stopped)} runs)" if len(self.stopped) > 1 else ""
             return f"{fault_name(self.stopped[0])}{others}"
         if math.isinf(self.value):
-            return "never"
-        return "-" if math.isnan(self.value) else format_quantity(self.value, unit or "1")
+            return "never, bound missed" if self.missed else "never"
+        if math.isnan(self.value):
+            return "-"
+        told = format_quantity(self.value, unit or "1")
+        return f"{told}, bound missed" if self.missed else told
 
 
 class VariationTable(NamedTuple):
@@ -109,7 +115,7 @@ def table_of(data: SweepData, metric: str) -> VariationTable:
         value = max(known, key=lambda v: column.sign * v) if known else nothing
         stopped = (data.reasons[k] or data.statuses[k] for k in numbers
                    if data.statuses[k] not in DONE)  # fmt: skip
-        return Cell(value, tuple(stopped))
+        return Cell(value, tuple(stopped), int(data.missed[list(numbers)].sum()))
 
     names = tuple(dict.fromkeys(laws))
     rows = {
@@ -164,6 +170,7 @@ def _plain(table: VariationTable) -> dict[str, object]:
                 {
                     "value": cell.value if math.isfinite(cell.value) else None,
                     "stopped": cell.stopped,
+                    "missed": cell.missed,
                 }
                 for cell in cells
             ]

@@ -8,6 +8,8 @@ import pytest
 
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import parse_axis, parse_seeds
+from rig.sweeping.best import Best
+from rig.sweeping.best_points import best_points
 from rig.sweeping.data import MetricColumn, SweepData
 from rig.sweeping.design import make_design
 from rig.sweeping.figure import draw_sweep
@@ -151,3 +153,50 @@ def test_metrics_that_have_no_room_are_named():
     assert figure.get_suptitle() == "not drawn: metric 6, metric 7"
     del data.metrics["metric_6"], data.metrics["metric_7"]
     assert not draw_sweep(data).get_suptitle()
+
+
+def missing(axes, seeds="0:2"):
+    """Make a sweep whose smallest numbers are those of points that missed a bound."""
+    data = data_of(axes, seeds, lambda *values: 1e-3 * (1.0 + values[0]))
+    for k, value in enumerate(data.settings["a"]):
+        if value == 1:
+            data.statuses[k], data.reasons[k] = "failed", "missed settling"
+    return data
+
+
+def test_what_missed_a_bound_is_best_of_nothing_and_says_so():
+    data = missing(["a=1,2"])
+    assert [data.settings["a"][k] for k in data.order()] == [2, 2, 1, 1]
+    header, rows = best_points(data, None)
+    ends = [row[header.index("status")] for row in rows]
+    assert ends == ["ok", "ok", "bound missed", "bound missed"]
+    data.reasons[data.order()[-1]] = "the pair hunts"
+    assert best_points(data, None)[1][-1][header.index("status")] == "flawed"
+
+
+@pytest.mark.parametrize(
+    ("axes_of", "said"),
+    [
+        (["a=1,2"], "bound missed"),
+        (["a=1,2", "b=1,2"], "ringed: a bound was missed"),
+        (["a=1,2", "b=1,2", "c=1,2"], "dashed: a bound was missed"),
+    ],
+)
+def test_what_missed_a_bound_is_marked(axes_of, said):
+    figure = draw_sweep(missing(axes_of))
+    texts = [text.get_text() for text in figure.texts]
+    suptitle = figure.get_suptitle()
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        texts += [axes.get_title(loc="right")]
+        texts += [] if legend is None else [text.get_text() for text in legend.get_texts()]
+    assert said in [*texts, suptitle]
+
+
+def test_run_folders_are_kept_of_points_that_kept_their_bounds(tmp_path):
+    best = Best("rms", 1, tmp_path)
+    for name, status, value in (("x", "failed", 1.0), ("y", "ok", 3.0), ("z", "ok", 2.0)):
+        (tmp_path / name).mkdir()
+        cell = {"name": "rms", "value": value, "unit": "m", "bound": 1.0, "kind": "max"}
+        best.take({"point": name, "status": status, "reason": "", "metrics": [cell]})
+    assert [folder.name for folder in tmp_path.iterdir()] == ["z"]

@@ -87,7 +87,7 @@ def test_what_stopped_is_a_cell_with_its_name_and_counts_among_the_worst(tmp_pat
     data = data_of(outcome)
     table = table_of(data, "rms")
     pid, cascade = table.rows["slow"]
-    assert pid == (9e-3, (REASON, REASON)) and cascade == (1e-3, ())
+    assert pid == (9e-3, (REASON, REASON), 0) and cascade == (1e-3, (), 0)
     assert table.texts()[-1] == ("worst", "2 stopped, 9 mm", "1 mm")
     assert table.texts()[2] == ("slow", "the pair oscillates (2 runs)", "1 mm")
     assert table.faults() == {"the pair oscillates": REASON}
@@ -98,7 +98,23 @@ def test_what_stopped_is_a_cell_with_its_name_and_counts_among_the_worst(tmp_pat
         "cascade": "1 mm",
     }  # fmt: skip
     (kept,) = json.loads((tmp_path / "variations.json").read_text())
-    assert kept["rows"]["slow"][0] == {"value": 9e-3, "stopped": [REASON, REASON]}
+    assert kept["rows"]["slow"][0] == {"value": 9e-3, "stopped": [REASON, REASON], "missed": 0}
+
+
+def test_a_law_that_misses_a_bound_has_it_beside_its_figures_and_hollow_marks():
+    data = data_of(lambda law, variation, seed: 1e-3 if law == "pid" else 2e-3)
+    for k, law in enumerate(data.settings["controller"]):
+        if law == "pid" and data.settings["variation"][k] == "slow":
+            data.statuses[k], data.reasons[k] = "failed", "missed settling"
+    table = table_of(data, "rms")
+    assert table.texts()[2:] == [
+        ("slow", "1 mm, bound missed", "2 mm"), ("worst", "1 mm, bound missed", "2 mm")
+    ]  # fmt: skip
+    assert table.texts()[0] == ("nominal", "1 mm", "2 mm")
+    axes = draw_sweep(data).axes[0]
+    assert axes.get_title(loc="right") == "hollow: bound missed"
+    (hollow,) = [line for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
+    assert list(hollow.get_xdata()) == pytest.approx([1.0, 1.0])
 
 
 def test_nothing_but_stops_is_a_table_too_and_a_point_that_is_not_finished_a_dash():
