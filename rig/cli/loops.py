@@ -1,7 +1,12 @@
 """How far the loops of a rig are from instability, as a linear model says."""
 
+import contextlib
 import math
+import shlex
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+import click
 
 from rig.cli.tables import Table
 from rig.hal.formats import format_quantity
@@ -10,6 +15,9 @@ if TYPE_CHECKING:
     from rig.config import Profile
     from rig.experiment.plan import Plan
     from rig.hal.closed_loop import ClosedLoop
+
+_OF_LAWS = ("controllers.", "controller=")
+"""Settings that choose a law, or say how it works."""
 
 
 def describe_loop(plan: "Plan") -> dict[str, Any] | None:
@@ -26,6 +34,40 @@ def advice(plan: "Plan") -> str | None:
 
     loop = loop_of(plan.profile, plan.controller)
     return None if loop is None else advice_on(plan.profile, plan.experiment.controller, loop)
+
+
+def warn_unstable(plan: "Plan", experiment: str, rig: str | None, overrides: Sequence[str]) -> None:
+    """Say that a loop is not stable by the linear model, before a simulation of it begins.
+
+    Nobody has looked at a law that was chosen, or whose settings were: others cost no time.
+
+    Parameters
+    ----------
+    plan : Plan
+        That will run.
+    experiment, rig : str
+        As they were given; None: the experiment's own rig.
+    overrides : sequence of str
+        What was set otherwise than the files.
+    """
+    from rig.experiment.loop_margins import loop_of
+
+    if not any(one.startswith(_OF_LAWS) for one in overrides):
+        return
+    loop = None
+    with contextlib.suppress(Exception):  # a law of others may fail here; the run says how
+        loop = loop_of(plan.profile, plan.controller)
+    if loop is None or loop.stable:
+        return
+    on = [] if rig is None else ["--rig", rig]
+    kept = [one for one in overrides if not one.startswith("rig=")]
+    words = ["rig", "check", experiment, *on, *(word for one in kept for word in ("--set", one))]
+    click.echo(
+        f"warning: the loop of {plan.experiment.controller} is not stable by the linear model "
+        f"(phase margin {math.degrees(loop.phase):.3g} deg), and swings unless friction holds it: "
+        f"{shlex.join(words)}",
+        err=True,
+    )
 
 
 def known_loops(profile: "Profile") -> "dict[str, ClosedLoop]":

@@ -107,6 +107,7 @@ def run(
     from rig.assembly import Backend, backend_of
     from rig.cli.announce import may_move
     from rig.cli.file_kinds import refuse_rig
+    from rig.cli.loops import warn_unstable
     from rig.cli.watched_run import WatchedRun
     from rig.config.names import find_configs
     from rig.config.setting import Setting
@@ -150,6 +151,8 @@ def run(
     simulated = backend_of(on).is_simulated
     for told in simulated_otherwise(plan) if simulated else ():
         click.echo(f"note: {told}", err=True)
+    if simulated:  # on hardware such a loop is refused
+        warn_unstable(plan, experiment, rig_name, options)
     pace = pace or (1.0 if watch or plan.motion.real_time else None)
     line = WatchedRun(
         plan,

@@ -53,7 +53,11 @@ _RECENT = 10.0
 """A run that ended less long ago (s) is the one that whoever asks means."""
 _UNITS = ((86_400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 _ON = "--on hardware"
+_CHECK = "rig check EXPERIMENT --rig RIG"
+"""What looks at a motion before it runs: with all that the run's command has set."""
 _PLACEHOLDER = re.compile(rf"\b(?:RIG|EXPERIMENT|RUN)\b|{_ON}")
+_BREAKS = "simulation.faults"
+"""Settings that plant a fault: they are told as injected."""
 _WITHOUT_BUS = ("--on sim", "--on virtual")
 
 
@@ -114,6 +118,7 @@ def explain_run(folder: Path) -> list[Remark]:
 
         when = fault_time(folder)
         said += [Remark("when", when)] if when is not None else []
+    if status in (RunStatus.FAULTED, RunStatus.CRASHED, RunStatus.FAILED):
         said += _given(manifest.get("command", []))
     said += [*_foreseen(folder), *_injected(folder), *_looked_back(folder)]
     unsafe = list(_messages(folder, _UNSAFE))
@@ -123,7 +128,7 @@ def explain_run(folder: Path) -> list[Remark]:
     said[1:1] = [Remark("not safe", sentence) for sentence in unsafe]  # before all else
     rig = _rig_of(folder) or manifest.get("rig")
     names = as_given(rig, manifest.get("experiment"), manifest.get("command", []))
-    names |= {_ON: _on_option(manifest)}
+    names |= {_ON: _on_option(manifest), _CHECK: _checked(manifest.get("command", []))}
     seen = [topic for kind in (_FELL, *FLAWS, _STOP) if (topic := _topic_of_event(folder, kind))]
     if status == RunStatus.FAILED:
         after = [remark for topic in seen for remark in _remarks(topic, folder, names)]
@@ -242,12 +247,33 @@ def _messages(folder: Path, kind: str) -> Iterator[str]:
 
 def _given(command: Sequence[str]) -> Iterator[Remark]:
     """Yield what the command of a run set otherwise than its files do: look there first."""
-    given = [after for word, after in pairwise(command) if word == "--set"]
-    settings = [one for one in given if not one.startswith("simulation.faults")]  # told as injected
+    settings = [one for one in _settings(command) if not one.startswith(_BREAKS)]
     if settings:
-        yield Remark(
-            "set", f"otherwise than the files by this run's command: {'; '.join(settings)}"
-        )
+        told = f"otherwise than the files by this run's command: {'; '.join(settings)}"
+        yield Remark("set", f"{told}; taken back by `{_taken_back(command)}`")
+
+
+def _settings(command: Sequence[str]) -> list[str]:
+    return [after for word, after in pairwise(command) if word == "--set"]
+
+
+def _taken_back(command: Sequence[str]) -> str:
+    """Return a command line without its settings, but for those that plant a fault."""
+    words, rest = [], iter(command)
+    for word in rest:
+        setting = next(rest, "") if word == "--set" else None
+        if setting is None:
+            words.append(word)
+        elif setting.startswith(_BREAKS):
+            words += [word, setting]
+    return shlex.join(words)
+
+
+def _checked(command: Sequence[str]) -> str:
+    """Return `_CHECK` with the law and the settings of a run's command."""
+    law = [after for word, after in pairwise(command) if word == "--controller"]
+    settings = [*(f"controller={one}" for one in law), *_settings(command)]
+    return shlex.join([*_CHECK.split(), *(word for one in settings for word in ("--set", one))])
 
 
 def _topic_of_event(folder: Path, kind: str) -> FaultTopic | None:
@@ -320,7 +346,7 @@ def _remarks(topic: FaultTopic, folder: Path, names: Mapping[str, str | None]) -
     known = {word: name for word, name in {**names, "RUN": folder.name}.items() if name}
     on = known.get(_ON, _ON)
     for label, written in topic.remarks():
-        text = written
+        text = written.replace(_CHECK, known.get(_CHECK, _CHECK))
         if on in _WITHOUT_BUS and _ON in text:
             known[_ON] = _ON
             text += f" That is for the rig: this run was {on[2:]}, where no bus can be asked."

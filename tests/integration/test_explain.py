@@ -3,6 +3,7 @@
 import json
 import random
 import re
+import shlex
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -197,6 +198,36 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert re.search(r"is \d+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
     assert "next: Is the rig as its profile says? `rig status cylinder`" in out
+
+
+def test_what_a_command_has_set_is_looked_at_first_where_a_bound_was_missed(tmp_path, capsys):
+    """Also by the `rig check` that is named: what the files say is not what ran."""
+    runs = str(tmp_path / "runs")
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", runs]
+    rates = ("position_rate=200", "velocity_rate=250")
+    fast = [word for rate in rates for word in ("--set", f"controllers.cascade.{rate}")]
+    bound = ["--set", "metrics.air_used.max=1e-9"]
+    assert invoke([*args, *fast, *bound]) == 1
+    warned = capsys.readouterr().err
+    assert "warning: the loop of cascade is not stable by the linear model (phase" in warned
+    check = f"rig check cylinder-step {' '.join([*fast, *bound])}"
+    assert f": {check}\n" in warned
+    assert invoke(shlex.split(check)[1:]) == 0  # as it stands
+    assert "no: friction holds it" in capsys.readouterr().out
+    manifest = next(Path(runs).glob("*/manifest.json"))
+    manifest.write_text(json.dumps({
+        **json.loads(manifest.read_text()), "command": ["rig", *args, *fast, *bound]
+    }))  # fmt: skip
+    out = " ".join(said(capsys, "--runs", runs)[1].split())
+    assert "set: otherwise than the files by this run's command: controllers.cascade." in out
+    assert f"taken back by `rig {' '.join(args)}`" in out
+    assert f"rig check cylinder-step --rig cylinder {' '.join([*fast, *bound])}`" in out
+
+
+def test_nobody_is_warned_of_a_loop_that_the_files_say(tmp_path, capsys):
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(tmp_path)]
+    assert invoke([*args, "--set", "controllers.cascade.position_rate=40"]) == 0
+    assert "warning" not in capsys.readouterr().err
 
 
 def test_every_bound_that_one_measure_missed_is_explained(tmp_path, capsys):
