@@ -104,20 +104,21 @@ def margins(
     if result.exit_code not in (EXIT_OK, EXIT_MISSED):
         _tell_ended(result)
         return result.exit_code
+    of = ["rig", "margins", rig, "--controller", controller, "--on", on]
     try:
         loops = measured_beside(result.path, plan.profile, controller, search, of_rig)
     except LoopUntold as untold:
-        of = ["rig", "margins", rig, "--controller", controller, "--on", on]
         _tell_untold(result.path, untold, with_smaller_shake(of, overrides), as_json)
         return EXIT_MISSED
-    figures = _keep(result.path, loops)
+    figures = _keep(result.path, loops, overrides)
     back = None
     if loops.is_worse and not leave:
         back = _put_back(plan, controller, loops, search)
     if as_json:
         print_json({"run": result.path, **_as_data(loops), "put_back": back})
     else:
-        _show(plan.profile.name, controller, loops)
+        softer = with_smaller_shake(of, overrides)
+        _show(plan.profile.name, controller, loops, softer)
     for path in figures:
         click.echo(str(path), err=True)
     return EXIT_MISSED if loops.is_worse else EXIT_OK
@@ -173,7 +174,7 @@ def _tell_untold(run: Path, untold: Exception, softer: str, as_json: bool) -> No
         print_json({"run": run, UNTOLD: str(untold)})
 
 
-def _keep(run: Path, loops: LoopsBeside) -> list[Path]:
+def _keep(run: Path, loops: LoopsBeside, overrides: Sequence[str]) -> list[Path]:
     """Write what was measured into the run folder; return the figure's files."""
     from rig.json_file import write_json
     from rig.report.data import imprint_of
@@ -183,7 +184,7 @@ def _keep(run: Path, loops: LoopsBeside) -> list[Path]:
     from rig.run_folder import RunFolder
 
     folder = RunFolder.open(run)
-    write_json(folder.place(MARGINS), _as_data(loops))
+    write_json(folder.place(MARGINS), {**_as_data(loops), "set": list(overrides)})
     shown = {"in force": loops.now}
     if loops.before is not None:
         shown["before"] = loops.before
@@ -223,6 +224,7 @@ def _as_data(loops: LoopsBeside) -> dict[str, object]:
                 }
                 for name in _UNITS
             },
+            "partial": loop.is_partial,
             "frequencies": loop.frequencies.tolist(),
             "gain": abs(loop.response).tolist(),
         }
@@ -243,12 +245,14 @@ def _modelled(loop: MeasuredLoop) -> ClosedLoop:
     return margins_of(loop.frequencies, loop.model)
 
 
-def _show(rig: str, controller: str, loops: LoopsBeside) -> None:
+def _show(rig: str, controller: str, loops: LoopsBeside, softer: str) -> None:
     from rig.hal.closed_loop import SENSITIVITY
 
+    first, last = _range(loops.now)
+    within = f" from {first} to {last} alone" if loops.now.is_partial else ""
     names = {
         "crossover": "crossover", "phase": "phase margin", "delay": "bears further dead time of",
-        "sensitivity": f"greatest sensitivity (at most {SENSITIVITY:g})",
+        "sensitivity": f"greatest sensitivity{within} (at most {SENSITIVITY:g})",
     }  # fmt: skip
     head = ["what", "linear model", "measured", "95 %"]
     if loops.before is not None:
@@ -262,16 +266,31 @@ def _show(rig: str, controller: str, loops: LoopsBeside) -> None:
                 between = "-" if math.isnan(low) else f"{_text(name, low)} to {_text(name, high)}"
                 row += [_text(name, getattr(loop.margins, name)), between]
         rows.append(tuple(row))
-    for doubt in doubts_about(loops.now):
+    for doubt in doubts_about(loops.now, softer):
         click.echo(doubt, err=True)
-    first, last = _range(loops.now)
     title = f"the loop that {controller} closes on {rig}, from {first} to {last}"
     print_tables([Table(title, tuple(head), rows)])
 
 
-def doubts_about(loop: MeasuredLoop) -> Iterator[str]:
-    """Yield what is not known of a loop that was measured, a sentence each."""
+def doubts_about(loop: MeasuredLoop, softer: str = "") -> Iterator[str]:
+    """Yield what is not known of a loop that was measured, a sentence each.
+
+    Parameters
+    ----------
+    loop : MeasuredLoop
+        As far as it is known.
+    softer : str
+        The command that shakes it less; empty: it was shaken as little.
+    """
     first, last = _range(loop)
+    if loop.is_partial and loop.shaken is not None:
+        least, most = (f"{loop.shaken[k]:g} Hz" for k in (0, -1))
+        more = f"; with a smaller shake more of it may be told: {softer}" if softer else ""
+        yield (
+            f"of a shake from {least} to {most} the loop is told from {first} to {last} alone, and "
+            "what is printed is of that band: a greater sensitivity may lie outside, and without "
+            f"what catches in the pair it may be smaller; the 95 % know of neither{more}"
+        )
     if not loop.tells_crossover:
         yield (
             f"from {first} to {last}, where the loop is known, its gain is nowhere 1: it may be "

@@ -115,12 +115,18 @@ class _Interval(TypedDict):
     interval: list[float | None]
 
 
-class _Loop(TypedDict):
+class _Told(TypedDict):
     sensitivity: _Interval
 
 
-class _Kept(TypedDict):
+class _Loop(_Told, total=False):
+    partial: bool
+    frequencies: list[float]
+
+
+class _Kept(TypedDict, total=False):
     now: _Loop
+    set: list[str]
 
 
 def _sensitivity(run: Path) -> str | None:
@@ -130,11 +136,18 @@ def _sensitivity(run: Path) -> str | None:
     from rig.typed_json import read_json
 
     try:
-        found = read_json(run / MARGINS, _Kept)["now"]["sensitivity"]
+        kept = read_json(run / MARGINS, _Kept)
     except (ConfigurationError, OSError):
         return None
+    if "now" not in kept:  # the run told no loop
+        return None
+    found, of = kept["now"]["sensitivity"], kept["now"]
     if found["measured"] is None:
         return None
     known = [bound for bound in found["interval"] if bound is not None]
     between = f" (95 %: {known[0]:.3g} to {known[1]:.3g})" if len(known) == 2 else ""
-    return f"{found['measured']:.3g}{between}"
+    band = ""
+    if of.get("partial") and (f := of.get("frequencies")):
+        band = f" from {f[0]:g} to {f[-1]:g} Hz alone"
+    otherwise = "".join(f", with {one}" for one in kept.get("set", ()))
+    return f"{found['measured']:.3g}{between}{band}{otherwise}"

@@ -37,12 +37,15 @@ class MeasuredLoop(NamedTuple):
         The same of resampled glides: how well it is known.
     model : ndarray of complex, shape (n,)
         What the profile's linear model says.
+    shaken : ndarray, optional
+        All frequencies of the shake, Hz; None: those that are known.
     """
 
     frequencies: Array
     response: Complex
     drawn: Complex
     model: Complex
+    shaken: Array | None = None
 
     def known(self, scatter: float) -> "MeasuredLoop":
         """Return the loop from the first frequency at which it is known to the last of that range.
@@ -66,8 +69,9 @@ class MeasuredLoop(NamedTuple):
             raise ValueError("the loop cannot be told from noise")
         part = slice(first, last)
         return MeasuredLoop(
-            self.frequencies[part], self.response[part], self.drawn[:, part], self.model[part]
-        )
+            self.frequencies[part], self.response[part], self.drawn[:, part], self.model[part],
+            self.frequencies,
+        )  # fmt: skip
 
     @property
     def margins(self) -> ClosedLoop:
@@ -78,6 +82,15 @@ class MeasuredLoop(NamedTuple):
     def tells_crossover(self) -> bool:
         """Whether it is known where its gain is 1; else it may be less stable than it looks."""
         return not math.isnan(self.margins.crossover)
+
+    @property
+    def is_partial(self) -> bool:
+        """Whether less than half of the shake's frequencies tell anything.
+
+        What is known then may be of a pair that catches: nearer to instability than one that
+        glides, or farther from it.
+        """
+        return self.shaken is not None and 2 * len(self.frequencies) < len(self.shaken)
 
     def interval(self, name: str) -> tuple[float, float]:
         """Return the 95 % interval of one of the `margins`; NaN where that is not known."""

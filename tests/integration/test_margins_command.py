@@ -145,6 +145,19 @@ def test_a_loop_that_is_not_told_is_a_bound_missed_with_a_way_on(place, capfd):
     assert "loop of cascade, measured" not in capfd.readouterr().out
 
 
+def test_what_was_shaken_otherwise_is_said_with_what_it_told(place, capfd):
+    """A pair that turns round while it is shaken tells little: that is no whole loop."""
+    assert invoke(["margins", "cylinder", *QUICK, "--set", "reference.shake=0.6"]) == 0
+    out, err = capfd.readouterr()
+    told = re.search(r"greatest sensitivity from (\S+) Hz to (\S+) Hz alone \(at most 1.7\)", out)
+    assert told, out
+    assert f"is told from {told[1]} Hz to {told[2]} Hz alone" in err
+    assert err.count("--controller cascade --on sim --set reference.shake=0.15\n") == 1
+    assert invoke(["status", "cylinder"]) in (0, 1)
+    said = " ".join(capfd.readouterr().out.split())
+    assert f"from {told[1]} to {told[2]} Hz alone, with reference.shake=0.6" in said
+
+
 def test_a_loop_that_is_not_told_is_said_to_programs_too(place, capfd):
     slow = ("--set", "reference.speed=4 mm/s", "--set", "reference.repeats=4")
     code, found, err = measured(capfd, *slow, "--set", "reference.shake=0.1")

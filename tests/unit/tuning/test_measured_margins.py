@@ -60,6 +60,19 @@ def test_what_is_not_known_of_a_loop_is_said(gain, last, said):
     assert all(doubt.startswith(words) for doubt, words in zip(doubts, said, strict=True))
 
 
+@pytest.mark.parametrize(("known", "is_partial"), [(slice(1, 4), True), (slice(0, 8), False)])
+def test_a_loop_of_a_small_part_of_the_shake_does_not_pose_as_the_whole(known, is_partial):
+    f, loop = FREQUENCIES[known], integrator(60.0, 0.0)[known]
+    measured = MeasuredLoop(f, loop, loop[None], loop, FREQUENCIES)
+    assert measured.is_partial is is_partial
+    said = [doubt for doubt in doubts_about(measured, "rig margins …") if "a shake" in doubt]
+    assert len(said) == is_partial
+    if said:
+        assert "of a shake from 2 Hz to 40 Hz the loop is told from 4 Hz to 8 Hz alone" in said[0]
+        assert "a greater sensitivity may lie outside" in said[0] and "may be smaller" in said[0]
+        assert said[0].endswith("with a smaller shake more of it may be told: rig margins …")
+
+
 def with_noise(scatter):
     loop, generator = integrator(60.0, 4e-3), np.random.default_rng(4)
     noise = generator.normal(size=(200, len(loop))) + 1j * generator.normal(size=(200, len(loop)))
@@ -72,7 +85,8 @@ def test_what_noise_hides_is_left_out_at_both_ends_and_nowhere_else():
     scatter[[0, 1, 12, 14]] = 0.8
     known = with_noise(scatter).known(0.5)
     assert known.frequencies.tolist() == FREQUENCIES[2:12].tolist()
-    assert known.drawn.shape == (200, 10)
+    assert known.drawn.shape == (200, 10) and not known.is_partial
+    assert known.shaken.tolist() == FREQUENCIES.tolist()
     with pytest.raises(ValueError, match="cannot be told from noise"):
         with_noise(np.full(len(FREQUENCIES), 0.8)).known(0.5)
     with pytest.raises(ValueError, match="cannot be told from noise"):
