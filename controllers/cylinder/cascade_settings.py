@@ -57,7 +57,7 @@ class CascadeSettings:
         it. None: one period, as on a bus that is read at the end of a cycle.
     anticipation : float
         Share of the regulators' dead time by which the state and the reference are predicted
-        besides: what is asked for now acts only then. The shipped gains were tuned without.
+        besides: what is asked for now acts only then. 0: none; `rig tune` finds it.
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     differential_limit : float, optional

@@ -112,12 +112,16 @@ def loops_of(profile: "Profile", loops: "dict[str, ClosedLoop]") -> tuple[list[T
 
 def loop_table(controller: str, loop: dict[str, Any]) -> Table:
     """Return what `describe_loop` says as a table."""
+    from rig.hal.closed_loop import MOST_SENSITIVE, SENSITIVITY
+
+    bounds = f"at most {SENSITIVITY:g} is wanted, {MOST_SENSITIVE:g} on hardware"
+    sensitivity = f"{loop['sensitivity']:.3g} ({bounds})" if loop["stable"] else f"- ({bounds})"
     rows = [
         ("stable without Coulomb friction", _yes(loop["stable"])),
         ("crossover", format_quantity(loop["crossover"], "rad/s")),
         ("phase margin", f"{math.degrees(loop['phase']):.3g} deg"),
         ("bears further dead time of", _bears(loop)),
-        ("greatest sensitivity", f"{loop['sensitivity']:.3g}" if loop["stable"] else "-"),
+        ("greatest sensitivity", sensitivity),
     ]
     return Table(f"the loop that {controller} closes, linear", ("what", "value"), rows)
 

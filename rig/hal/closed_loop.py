@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 SENSITIVITY: Final = 1.7
 """The greatest that is asked of gains: the loop is then at least 1/1.7 from the critical point."""
-_MOST_SENSITIVE: Final = 2.0
+MOST_SENSITIVE: Final = 2.0
 """The greatest with which hardware runs without a reason: what wears and warms needs room."""
 
 
@@ -40,4 +40,4 @@ class ClosedLoop(NamedTuple):
         K. J. Åström, T. Hägglund, "Advanced PID control", ISA, 2006, section 4.5: sensitivities
         between 1.2 and 2.
         """
-        return self.stable and self.sensitivity <= _MOST_SENSITIVE
+        return self.stable and self.sensitivity <= MOST_SENSITIVE
