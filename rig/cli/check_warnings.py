@@ -50,6 +50,7 @@ def warnings_of(profile: Profile, search: Sequence[Path]) -> list[str]:
     """
     from rig.cli.inherited import inherited_sentences
     from rig.cli.plant_remarks import plant_remarks
+    from rig.cli.valve_life import valve_life_remarks
     from rig.config.calibration_state import sentences_of_bases
     from rig.config.records import sentences_of_records
 
@@ -57,8 +58,8 @@ def warnings_of(profile: Profile, search: Sequence[Path]) -> list[str]:
     elsewhere = [*sentences_of_bases(profile), *sentences_of_records(profile, search)]
     strange = [*_strange_units(profile), *_unitless(profile.unitless)]
     plant = plant_remarks(profile)
-    lacking = _of_simulation(profile)
-    return [*_of_broken_parts(profile), *inherited, *plant, *elsewhere, *strange, *lacking]
+    lacking, valves = _of_simulation(profile), valve_life_remarks(profile)
+    return [*_of_broken_parts(profile), *inherited, *plant, *elsewhere, *strange, *valves, *lacking]
 
 
 def _of_simulation(profile: Profile) -> Iterator[str]:

@@ -100,6 +100,8 @@ def _explain(
 
     if columns := columns_called(word, profile, runs):
         return [(_title(column), column.text) for column in columns]
+    if of_file := _name_of_file(word, configs):
+        return [of_file]
     if " " in word.strip():
         # What `rig` refuses begins with the word; what stops a run may say the same of a motion.
         tellers = (topic_of, refusal_of)[:: -1 if word.lstrip().lower().startswith("error:") else 1]
@@ -114,6 +116,25 @@ def _explain(
             "knows the columns of that rig, `rig export RUN --format csv` shows those of a run"
         )
     raise ConfigurationError(f"nothing is called {word!r}; {_hint(word, configs, profile)}")
+
+
+def _name_of_file(word: str, configs: Path | None) -> tuple[str, str] | None:
+    """Return what tells of a rig or an experiment that is called so; None: none is."""
+    from rig.config import find_configs
+    from rig.config.names import list_files
+
+    search = find_configs(configs)
+    rigs, experiments = (list_files(kind, search) for kind in ("rigs", "experiments"))
+    if word in rigs:
+        return f"{word} (rig)", (
+            f"`rig check {word}` shows what its profile says, `rig status {word}` how far it has "
+            f"come; the file is {rigs[word]}"
+        )
+    if word in experiments:
+        return f"{word} (experiment)", (
+            f"`rig check {word}` shows its motion, bounds and loop; the file is {experiments[word]}"
+        )
+    return None
 
 
 def _hint(word: str, configs: Path | None, profile: Profile | None) -> str:

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from rig.cli.loops import loop_table
 from rig.explaining.report_words import report_words
 from rig.hal.bench import Trial
 from rig.hal.closed_loop import MOST_SENSITIVE, SENSITIVITY, ClosedLoop
@@ -36,3 +37,5 @@ def test_both_bounds_of_a_sensitivity_are_said():
     told = " ".join(report_words()["sensitivity"].split())
     assert f"at most {SENSITIVITY:g} on 99 of 100" in told
     assert f"refused above {MOST_SENSITIVE:g}" in told
+    (row,) = [row for row in loop_table("pid", NEAR._asdict()).rows if "sensitivity" in row[0]]
+    assert row[1] == "1.5 (at most 1.7 is wanted, 2 on hardware)"
