@@ -179,6 +179,7 @@ def _folder(out: Path, bench: Workbench, request: Request) -> Path:
 
 def _announce(bench: Workbench, generations: int, folder: Path) -> None:
     from rig.tuning.ensemble import NOISIER
+    from rig.tuning.jury import SHAKEN_AT_ONCE
     from rig.tuning.search import FIRST_LOOK, GENERATION, LAST_LOOK, trials_of
 
     bounds = ", ".join(f"{name} {text}" for name, text in bench.ensemble.ranges().items())
@@ -186,10 +187,15 @@ def _announce(bench: Workbench, generations: int, folder: Path) -> None:
         f"{len(bench.tunables)} gains; {FIRST_LOOK} generations of {GENERATION} that look beside "
         f"those in force and anywhere, a walk that moves one gain after the other, then "
         f"{generations} that go on from the best: "
-        f"{trials_of(generations, len(bench.tunables))} trials, each on several plants for "
+        f"at most {trials_of(generations, len(bench.tunables))} trials, each on several plants for "
         f"{bench.duration:.0f} s, and the best {LAST_LOOK} on all "
         f"{len(bench.ensemble.corners())} plants: {bounds}, "
         f"and one whose encoders have {NOISIER:g} times the noise",
+        err=True,
+    )
+    click.echo(
+        "the progress line counts these trials, the last look at the best, and beside them jobs "
+        f"that shake {SHAKEN_AT_ONCE} drawn plants each; it says how long the rest takes",
         err=True,
     )
     click.echo(f"what is tried is kept in {folder}", err=True)

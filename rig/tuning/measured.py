@@ -112,11 +112,16 @@ def loop_teller(profile: Profile) -> Callable[[RunData, object], MeasuredLoop]:
     """
     found = REGISTRY.measured_loop(profile.mechanism)
     if found is None:
+        rig = profile.argument
+        other = f"how well its laws follow is told by `rig compare EXPERIMENT --rig {rig}`"
+        if REGISTRY.bench(profile.mechanism) is not None:
+            other = (
+                f"what a linear model says of them, as calibrated, is printed by `rig status {rig}`"
+                f", and which plants its gains bear by `rig tune {rig} --dry-run`"
+            )
         raise ConfigurationError(
             f"the loops of {profile.mechanism} cannot be measured: nothing is known that shakes "
-            "one of them alone (its row names no `measured_loop`); what a linear model says "
-            f"of it, as calibrated, is printed by `rig check {profile.argument}`, and which plants "
-            f"its gains bear by `rig tune {profile.argument} --dry-run`"
+            f"one of them alone (its row names no `measured_loop`); {other}"
         )
     return found
 

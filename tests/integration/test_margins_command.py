@@ -121,6 +121,13 @@ def test_what_cannot_be_measured_is_a_sentence(words, said, capfd, tmp_path, mon
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("rig", ["arm", "legs"])
+def test_nothing_is_advised_that_is_refused_itself(rig, capfd):
+    assert invoke(["margins", rig]) == 2
+    err = capfd.readouterr().err
+    assert "rig tune" not in err and f"`rig compare EXPERIMENT --rig {rig}`" in err
+
+
 def test_a_run_that_ends_in_a_fault_tells_no_margins(place, capfd):
     code = invoke(["margins", "cylinder", *QUICK, "--set", "plant.regulator.bandwidth=15 rad/s"])
     out, err = capfd.readouterr()

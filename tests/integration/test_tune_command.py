@@ -53,6 +53,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
     assert "tuned for cylinder-step: other motions may need other gains" in said
     assert "on every plant of the ensemble, before and now …" in said
     assert re.search(r"^\d+/\d+ plants, \d+ \w+ left$", said, re.MULTILINE), said
+    assert "the progress line counts these trials" in said and "shake 20 drawn plants each" in said
     assert ", 0 running" not in said and " 0 left" not in said
     last = said.rstrip().splitlines()[-1]
     assert last.startswith("in short: ") and last.endswith(": put in force"), last

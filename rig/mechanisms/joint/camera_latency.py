@@ -78,7 +78,7 @@ def remark_on_latency(logged: "Logged", name: str, latency: float | None) -> tup
     else:
         seen = f"{(latency + found.late) * 1e3:.1f} {interval}"
         what = f"the profile says a latency of {latency * 1e3:.3g} ms, I see {seen}"
-    return (Note("camera", f"{name}: {what}; `rig calibrate` with `camera` measures it"),)
+    return (Note("camera", f"{name}: {what}; `rig calibrate RIG camera` measures it"),)
 
 
 def lateness_of(logged: "Logged") -> Lateness | None:

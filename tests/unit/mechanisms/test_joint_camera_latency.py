@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from rig.experiment.ending import say_for_rig
 from rig.mechanisms.joint.camera_latency import WRONG, fit_lateness, remark_on_latency
 
 SEEDS = range(6)
@@ -88,6 +89,8 @@ def test_what_is_wrong_is_said_with_what_the_profile_says(sign):
     assert seen == pytest.approx(20.0 + late * 1e3, abs=1.0)
     (note,) = remark_on_latency(bench.logged, "eye", None)
     assert " older than their stamps say; " in note.message
+    told = say_for_rig(note.message, "joint-fine")  # as a run says it
+    assert told.endswith("; `rig calibrate joint-fine camera` measures it")
 
 
 def test_a_joint_that_hardly_moves_tells_nothing():
