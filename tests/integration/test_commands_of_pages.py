@@ -145,6 +145,13 @@ def profile_of(name, overrides=()):
     return load_profile(name, REGISTRY, overrides, find_configs(None))
 
 
+def measured(given):
+    """Look at settings as `rig margins` does: of the rig, or of the experiment that shakes it."""
+    profile = profile_of(given["rig"])
+    experiment = f"{profile.mechanism}-margins"
+    plan_of({**given, "experiment": experiment, "rig_name": given["rig"]})
+
+
 def broken(given):
     for rig in given["rigs"]:
         profile_of(rig)
@@ -160,7 +167,7 @@ def of_rig(given):
 
 NAMES = {
     "run": planned, "compare": compared, "sweep": swept, "tune": tuned, "calibrate": calibrated,
-    "faults run": broken,
+    "faults run": broken, "margins": measured,
 }  # fmt: skip
 """What looks up the names that a command is given; of the others it is the rig's alone."""
 LOOKS = {"check", "explain", "schema", "list", "status", "completion", "faults list"}
