@@ -235,7 +235,7 @@ def other_levers(now: EnsembleVerdict) -> str:
         return ""
     return (
         "where no gains keep it, more of the rig than its gains has to change: less dead time "
-        "(shorter tubes, quicker regulators), a lower base pressure, other seals; "
+        "(shorter tubes, quicker regulators), a lower base pressure of a joint, other seals; "
         "rig/tuning/README.md, 'Where no gains do it', says what each is worth"
     )
 
