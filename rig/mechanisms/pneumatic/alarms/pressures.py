@@ -151,8 +151,7 @@ class PressureWatch:
             self._begin(now)
             return
         acting = self._line.pass_on(setpoints, now)
-        step = now - self._then
-        self._then = now
+        step, self._then = now - self._then, now
         bounds = self._bounds
         deviation, most, stray = bounds.deviation, bounds.offset, bounds.stray
         alike = _ALIKE * min(deviation, stray)
