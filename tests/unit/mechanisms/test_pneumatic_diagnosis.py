@@ -98,6 +98,17 @@ def test_regulators_that_are_all_slow_or_all_late_are_said_to_be(seed):
     assert first.sentence.startswith("all regulators: the profile says 5 ms of dead time, I see ")
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_regulators_that_answer_sooner_than_told_are_no_cause(seed):
+    """A profile says the dead time of the worst channel: the others are sooner, and healthy."""
+    bench = Bench(seed)
+    sooner = bench.rng.uniform(0.0, 1e-3)
+    bench.pressures = np.column_stack(
+        [answered(row, dead_time=sooner) for row in bench.setpoints.T]
+    )
+    assert not [one for one in bench.found() if one.cause == "late"]
+
+
 def is_suspected(found, cause, of):
     return any((suspect.cause, suspect.of) == (cause, of) for suspect in found)
 

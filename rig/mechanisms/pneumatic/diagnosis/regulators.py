@@ -32,9 +32,10 @@ _PLAIN: Final = 3e-3
 
 
 def slow_or_late(scales: Scales) -> list[Explanation]:
-    """Return regulators of another bandwidth, also since some time, or another dead time.
+    """Return regulators of another bandwidth, also since some time, or of more dead time.
 
-    What a healthy one may be off by is left out.
+    What a healthy one may be off by is left out. So is less dead time: what a profile says is that
+    of its worst channel, and no rig was ever stopped by air that came too soon.
     """
     evidence = scales.evidence
     response, count = evidence.response, len(evidence.names)
@@ -56,9 +57,12 @@ def slow_or_late(scales: Scales) -> list[Explanation]:
     return [
         trial
         for trial in found
-        if abs(trial.figure - (response.bandwidth if trial.cause == SLOW else response.dead_time))
-        > (spread if trial.cause == SLOW else _PLAIN)
-        and (trial.cause == LATE or trial.figure > _FROZEN * response.bandwidth)
+        if (
+            trial.figure - response.dead_time > _PLAIN
+            if trial.cause == LATE
+            else abs(trial.figure - response.bandwidth) > spread
+            and trial.figure > _FROZEN * response.bandwidth
+        )
     ]
 
 
