@@ -64,6 +64,11 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_sticking.py",
         "mechanisms/test_pneumatic_starts.py",
     ),
+    "rig/mechanisms/pneumatic/alarms/turns.py": (
+        "mechanisms/test_pneumatic_tracking_alarm.py",
+        "mechanisms/test_pneumatic_sticking.py",
+    ),
+    "rig/mechanisms/pneumatic/alarms/swinging.py": ("mechanisms/test_pneumatic_swinging.py",),
     "rig/mechanisms/pneumatic/alarms/scatter.py": ("mechanisms/test_pneumatic_scatter.py",),
     "rig/mechanisms/pneumatic/alarms/runs_off.py": (
         "mechanisms/test_pneumatic_runs_off.py",

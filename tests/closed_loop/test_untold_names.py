@@ -64,4 +64,4 @@ def test_no_run_is_well_in_which_the_pair_was_farther_off_than_is_permitted(seed
     log = load(result.path).data
     moves = log["phase"] == log["phase"].max()
     far = np.abs(log["reading.position"] - log["reference.position"])[moves].max()
-    assert result.status is not RunStatus.OK or far <= 4e-3, (far, result.message)
+    assert result.status is not RunStatus.OK or far <= 6e-3, (far, result.message)

@@ -51,7 +51,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     *(
         Equivalent(
-            "rig/mechanisms/pneumatic/alarms/tracking.py",
+            "rig/mechanisms/pneumatic/alarms/turns.py",
             f"{word} value {sign} furthest:",
             f"value {sign} furthest -> value {sign}= furthest",
             "an extreme that is put where it is stays there",
@@ -208,7 +208,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "every fourth cycle is every fourth one, counted up or down",
     ),
     Equivalent(
-        "rig/mechanisms/pneumatic/alarms/tracking.py",
+        "rig/mechanisms/pneumatic/alarms/turns.py",
         "self._furthest = -math.inf if rises else math.inf",
         "rises -> True",
         "an extreme that is infinite ends with the next one",

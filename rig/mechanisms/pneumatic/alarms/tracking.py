@@ -18,6 +18,8 @@ from rig.mechanisms.pneumatic.alarms.runs_off import RunsOff
 from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 from rig.mechanisms.pneumatic.alarms.turns import Turns
 
+_AWAY = 1.5
+"""Who was farther off than so many times what is permitted, if for a moment, has not followed."""
 _HELD = 0.05
 """What is held is behind its reference for longer than this, s: seals let go before."""
 _KEPT = 0.7
@@ -271,7 +273,8 @@ class TrackingWatch:
         if -following <= error <= following or followed is None:
             self._followed[k] = now, place
             if self._away[k]:
-                if now - self._swings[k].step[1] > self._alarm.slowest:  # nobody follows a step
+                stepped = now - self._swings[k].step[1] <= self._alarm.slowest
+                if self._away[k] > _AWAY * following and not stepped:  # nobody follows a step
                     self._farthest = max(self._farthest, (self._away[k], k))
                 self._away[k] = 0.0
             return
