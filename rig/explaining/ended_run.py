@@ -13,7 +13,7 @@ from rig.explaining.exit_codes import EXIT_CODES
 from rig.explaining.faults import FaultTopic, refusal_of, topic_of
 from rig.hal import ConfigurationError
 from rig.hal.formats import format_against
-from rig.hal.hindsight import FLAWS
+from rig.hal.hindsight import FLAWS, STRAYED
 from rig.run_facts import (
     EVALUATION,
     MARGINS,
@@ -29,7 +29,7 @@ from rig.run_folder import RunFolder
 _DIAGNOSIS = "diagnosis"
 _FELL = "fell"
 _STOP = "stop"
-_LOOKED_BACK = (_DIAGNOSIS, _FELL, *FLAWS, "camera", _STOP)
+_LOOKED_BACK = (_DIAGNOSIS, _FELL, *FLAWS, STRAYED, "camera", _STOP)
 """Kinds of events that say what a log told once its run had ended, or how it was stopped."""
 _UNSAFE = "unsafe"
 """Kind of the events that say who is not known to be safe after a stop."""

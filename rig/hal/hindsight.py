@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 
 HUNTS, STICKS, STRAYED = "hunts", "sticks", "strayed"
 """Kinds of remarks: it swings about a reference that rests; it sticks and slips; it was farther off
-than is permitted, for less than a fault. No run of which that is said has ended well."""
-FLAWS = (HUNTS, STICKS, STRAYED)
+than is permitted, for less than a fault."""
+FLAWS = (HUNTS, STICKS)
+"""No run of which one of these is said has ended well; who strays may lag behind a quick motion."""
 
 Settings = TypeVar("Settings", contravariant=True)
 
