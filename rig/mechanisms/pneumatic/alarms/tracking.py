@@ -19,7 +19,7 @@ from rig.mechanisms.pneumatic.alarms.settings import OscillationAlarm
 from rig.mechanisms.pneumatic.alarms.turns import Turns
 
 _AWAY = 1.5
-"""Who was farther off than so many times what is permitted, if for a moment, has not followed."""
+"""Who was farther off than so many times what is permitted, if for a moment, is told of."""
 _HELD = 0.05
 """What is held is behind its reference for longer than this, s: seals let go before."""
 _KEPT = 0.7

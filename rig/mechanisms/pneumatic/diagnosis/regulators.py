@@ -35,7 +35,7 @@ def slow_or_late(scales: Scales) -> list[Explanation]:
     """Return regulators of another bandwidth, also since some time, or of more dead time.
 
     What a healthy one may be off by is left out. So is less dead time: what a profile says is that
-    of its worst channel, and no rig was ever stopped by air that came too soon.
+    of its worst channel, and the others, which answer sooner, are well.
     """
     evidence = scales.evidence
     response, count = evidence.response, len(evidence.names)
