@@ -81,9 +81,9 @@ class FirstMotion(AcceptanceStep):
         ``plan(profile)`` returns how, as `Planned`.
     prepare : callable, optional
         ``prepare(site, rig)`` is done before the rig is connected.
-    uncalibrated : callable, optional
-        ``uncalibrated(site)`` returns the site's profile as far as it can be used before any
-        calibration; by default whole.
+    prepared : callable, optional
+        ``prepared(site)`` returns the site's profile for it: as far as that can be used before any
+        calibration, and with gains for it; by default as it is.
     strays : callable, optional
         ``strays(site)`` returns how far beyond either end of its way the rig may go, SI: twice its
         way is permitted anyhow. Seals that let go slide on until late regulators have taken their
@@ -101,7 +101,7 @@ class FirstMotion(AcceptanceStep):
         moved: Moved,
         plan: Callable[[Profile], Planned],
         prepare: Callable[[Site, Rig], None] = lambda site, rig: None,
-        uncalibrated: Callable[[Site], Profile] = lambda site: site.profile,
+        prepared: Callable[[Site], Profile] = lambda site: site.profile,
         strays: Callable[[Site], float] = lambda site: 0.0,
     ) -> None:
         way = format_quantity(moved.travel, moved.unit)
@@ -110,7 +110,7 @@ class FirstMotion(AcceptanceStep):
         self._moved = moved
         self._plan_motion = plan
         self._prepare = prepare
-        self._uncalibrated = uncalibrated
+        self._prepared = prepared
         self._strays = strays
 
     def perform(self, site: Site) -> StepResult:
@@ -150,7 +150,7 @@ class FirstMotion(AcceptanceStep):
     def _plan(self, site: Site) -> "Plan":
         from rig.experiment.plan import Plan
 
-        profile = derated(self._uncalibrated(site), is_first=True)
+        profile = derated(self._prepared(site), is_first=True)
         check_profile(profile)
         planned = self._plan_motion(profile)
         experiment = Experiment(
@@ -174,12 +174,11 @@ def by_law(kind: str, reference: object, wanted: str = "") -> Callable[[Profile]
     kind, reference : str, object
         Name and settings of the reference.
     wanted : str, optional
-        The law that bears the most before it is tuned; default, and of a profile without it: the
-        profile's first one.
+        Name of the law; default: the profile's first one.
     """
 
     def plan(profile: Profile) -> Planned:
-        law = wanted if wanted in profile.controllers else next(iter(profile.controllers))
+        law = wanted or next(iter(profile.controllers))
         controller = make_controller(profile, law)
         motion = plan_motion(profile, reference, controller)
         return Planned(ReferenceEntry(kind, reference), law, controller, motion)

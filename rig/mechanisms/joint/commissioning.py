@@ -16,6 +16,7 @@ from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.config import Profile
 from rig.hal import DevicePicker, LinearEncoder
+from rig.mechanisms.joint.first_gains import FIRST_LAW, with_first_law
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
@@ -25,8 +26,6 @@ _TILT: Final = radians(4.6)
 """Of the first motion: a wire goes 2 mm."""
 _TRAVEL: Final = 2e-3
 """How far the rod of that wire goes, m: less is lost in what friction leaves of a pose."""
-_LAW: Final = "pid-friction"
-"""It needs no gains that were tuned for these regulators; see the pair's own test."""
 _SECTORS: Final = 16
 """Directions in which the ring is tilted on paper, once round."""
 _LOOK: Final = 0.1
@@ -41,8 +40,8 @@ def steps() -> Sequence[AcceptanceStep]:
     return pneumatic_course(
         FirstMotion(
             Moved(rods, _TRAVEL, "m"),
-            by_law("poses", there_and_back, _LAW),
-            uncalibrated=_from_upright,
+            by_law("poses", there_and_back, FIRST_LAW),
+            prepared=lambda site: with_first_law(_from_upright(site)),
             strays=following,
         ),
         _way,

@@ -4,18 +4,17 @@ from collections.abc import Iterator, Sequence
 
 from controllers.cylinder.types import PairCommand, PairEstimate, PairReference
 from rig.calibration.arrays import Array
-from rig.calibration.profile_changes import profile_with, with_wider_limits
+from rig.calibration.profile_changes import with_wider_limits
 from rig.calibration.recording import Stretch
 from rig.config import Profile, format_quantity
 from rig.hal.motion import Motion
+from rig.mechanisms.cylinder.first_gains import with_placing_law
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.calibration.pneumatics import Limit, Pneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import PairSignals
 
 _STRETCHED = 1.25
 """Times the wires' stretch by the greatest pressure, rods may disagree: stiffness is a guess."""
-_SOFT = 0.3
-"""Share of the profile's stiffness that a pair is moved from place to place with."""
 
 
 class PairPneumatics(Pneumatics[PairReference, PairCommand]):
@@ -82,26 +81,11 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         return self.base_pressure
 
     def with_gentle_controller(self) -> tuple[Profile, str]:
-        """See `Pneumatics.with_gentle_controller`.
-
-        The place need not be exact. But a pair with little friction must not hunt: it would be let
-        go on its way.
-        """
-        usual = self.profile.controllers["pid"]
-        gains = {
-            "proportional": _SOFT * usual.proportional,
-            "integral": _SOFT**2 * usual.integral,
-            "derivative": _SOFT * usual.derivative,
-        }
-        changes = {f"controllers.pid.{name}": gain for name, gain in gains.items()}
-        return profile_with(self.profile, changes), "pid"
+        """See `Pneumatics.with_gentle_controller`; the place need not be exact."""
+        return with_placing_law(self.profile)
 
     def with_placing_controller(self) -> tuple[Profile, str]:
-        """See `Pneumatics.with_placing_controller`.
-
-        Encoders come before friction and response, so nobody knows yet what the pair bears: the
-        PID's own gains swing between levels on regulators of 0.67 of the speed.
-        """
+        """See `Pneumatics.with_placing_controller`; encoders come before friction and response."""
         return self.with_gentle_controller()
 
     def reach(self, share: float) -> float:

@@ -19,6 +19,7 @@ from rig.calibration.recording import Stretch
 from rig.config import Profile, format_quantity
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.calibration.leaning import Leaning
+from rig.mechanisms.joint.first_gains import with_placing_law
 from rig.mechanisms.joint.motion import PosedMotion
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.calibration.pneumatics import Limit, Pneumatics
@@ -250,7 +251,9 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
 
     def with_placing_controller(self) -> tuple[Profile, str]:
         """See `Pneumatics.with_placing_controller`; a PID lets a ring fall that nothing holds."""
-        return self.with_gentle_controller() if self._falls else super().with_placing_controller()
+        if self._falls:
+            return self.with_gentle_controller()
+        return with_placing_law(self.profile)
 
     @property
     def nobody_leads(self) -> bool:

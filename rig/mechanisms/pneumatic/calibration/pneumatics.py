@@ -127,12 +127,12 @@ class Pneumatics(ABC, Generic[Reference, Command]):
     def with_gentle_controller(self) -> tuple[Profile, str]:
         """Return the profile with a controller that is at rest at its place, and its name."""
 
+    @abstractmethod
     def with_placing_controller(self) -> tuple[Profile, str]:
         """Return the profile with a controller that takes rods to a caliper, and its name.
 
-        Default: a PID, which knows nothing of wires that rods are calibrated against.
+        It knows nothing of wires that rods are calibrated against.
         """
-        return self.profile, "pid"
 
     @abstractmethod
     def reach(self, share: float) -> float:
