@@ -16,14 +16,15 @@ _BEND = (*_SHORT, "reference.repeats=1", "reference.time=1 s")
 def _pairs():
     laws = ("pid", "pid-friction", "cascade", "super-twisting")
     for law in laws:
+        ideal = ("rig=cylinder-ideal",) if law == "super-twisting" else ()  # the one that has it
         yield Recording(
             f"cylinder-{law}-step", f"{law} jumps and is stopped in the step", "cylinder-step",
-            "sim", (*_SLOW, f"controller={law}"), (_STOP,),
+            "sim", (*_SLOW, *ideal, f"controller={law}"), (_STOP,),
         )  # fmt: skip
         yield Recording(
             f"cylinder-{law}-sine", f"{law} follows a sine to its end", "cylinder-sine",
             "virtual",
-            (*_SLOW, f"controller={law}", "reference.tones=[{frequency: 8 Hz, periods: 2}]",
+            (*_SLOW, *ideal, f"controller={law}", "reference.tones=[{frequency: 8 Hz, periods: 2}]",
              "reference.amplitude=0.5 mm", *(_FASTER if law == "pid" else ())),
             status="ok",
         )  # fmt: skip
