@@ -72,7 +72,7 @@ def test_a_law_that_is_too_rough_only_between_stretches_of_a_long_motion_is_not_
 
 
 def test_a_circle_that_swings_a_joint_out_is_refused(capsys):
-    circle = ("reference.tilt=45 deg", "reference.tones=[{frequency: 1 Hz, laps: 4}]", *BARE)
+    circle = ("reference.tilt=40 deg", "reference.tones=[{frequency: 1.4 Hz, laps: 4}]", *BARE)
     plan = load_plan("joint-circle", circle, configs=CONFIGS)
     with pytest.raises(DeviceError, match=r"ends after .* oscillates at .*nothing breaks there"):
         refuse_slow_devices(plan, lambda _: None)

@@ -181,6 +181,15 @@ def test_it_names_the_chamber_that_pulls_less_and_by_how_much():
     assert told(balance(), 300e3, 300e3, 300e3, 300e3).explain() is None
 
 
+@pytest.mark.parametrize(("missing", "seals"), [(9.99, True), (10.01, False)])
+def test_seals_come_first_where_as_much_again_would_hold_the_pair(missing, seals):
+    said = told(balance(), 300e3, 0.0, 300e3 - (HOLDS + missing) / AREA, 0.0).explain()
+    first = "the ring has more friction than the profile says" if seals else "the chamber of ch1"
+    assert said.startswith(f"regulators: {first}")
+    assert "the chamber of ch1 leaks behind its tube, or its monitor is off" in said
+    assert said.endswith(": 10 N are not those of the pressures")
+
+
 def test_friction_is_no_cause_of_what_moves_by_itself():
     watch = balance()
     for k in range(21):

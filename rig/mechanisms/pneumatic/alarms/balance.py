@@ -28,10 +28,11 @@ _KEPT: Final = 256
 """So many cycles are remembered: rods run from rest to a limit within 0.2 s …"""
 _OF_LATE: Final = 64
 """… and so many tell how encoders scatter."""
-_STUCK: Final = (
-    ", or has more friction than the profile says (`rig calibrate RIG friction` measures it)"
-)
+_MEASURES: Final = "`rig calibrate RIG friction` measures it"
+_STUCK: Final = f", or has more friction than the profile says ({_MEASURES})"
 """What holds a pair that stands, beside air and hands …"""
+_WORN: Final = 2.0
+"""Up to so many times the breakaway that is told, seals that have more of it are the likeliest."""
 _SLIDES: Final = (
     "; or its seals have far less friction than the profile says (`rig calibrate RIG friction`)"
 )
@@ -143,13 +144,12 @@ class PullBalance:
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
         most, stood = abs(found[0][0]), stands(late_of(self._instants(found[0][1])))
-        stuck = _STUCK if stood else ""
+        if stood and most <= (_WORN - 1.0) * self._friction.breakaway:
+            blamed = self._blame_seals(weak)
+        else:
+            blamed = f"{self._blame(weak)}{_STUCK if stood else ''}"
         slides = _SLIDES if not stood and most <= self._friction.coulomb else ""
-        return (
-            f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
-            f"or {self._moved} is pushed or held{stuck}: {most:.0f} N are not those of the "
-            f"pressures{slides}"
-        )
+        return f"{blamed}: {most:.0f} N are not those of the pressures{slides}"
 
     def explain_off(self, off: float, pair: int = 0) -> str | None:
         """Return why a pair stays off its reference though its pressures pull it back.
@@ -170,8 +170,12 @@ class PullBalance:
         against = -pull if off > 0.0 else pull
         if not against > self._friction.coulomb:
             return None
-        blamed = self._blame(self._pulls_back(off, pair))
-        return f"{blamed}{_STUCK}: it stays off though {against:.0f} N pull it back"
+        weak = self._pulls_back(off, pair)
+        if against <= _WORN * self._friction.breakaway:
+            blamed = self._blame_seals(weak)
+        else:
+            blamed = f"{self._blame(weak)}{_STUCK}"
+        return f"{blamed}: it stays off though {against:.0f} N pull it back"
 
     def explain_crept(self, pair: int) -> str | None:
         """Return why a pair that sticks now was last moved by more than its pressures.
@@ -187,7 +191,7 @@ class PullBalance:
         missing = self._ways[pair].missing(self._friction)
         if missing == 0.0:
             return None
-        weak = self._pairs[pair][0 if missing < 0.0 else 1]
+        weak = self._channels[self._pairs[pair][0 if missing < 0.0 else 1]]
         return (
             f"{self._blame(weak)}: what last moved it was {abs(missing):.0f} N more than pressures"
         )
@@ -241,19 +245,27 @@ class PullBalance:
         (_, rods_then, then), (_, rods_now, now) = late[0], late[-1]
         for weak in self._pairs[pair]:
             if rods_now[weak] < rods_then[weak] and then[weak] - now[weak] > _EMPTIED:
-                return self._blame(weak)
+                return self._blame(self._channels[weak])
         return None
 
-    def _pulls_back(self, off: float, pair: int) -> int:
+    def _pulls_back(self, off: float, pair: int) -> str:
         """Return which chamber should pull a pair back that is off."""
         one, other = self._pairs[pair]
-        return other if off > 0.0 else one
+        return self._channels[other if off > 0.0 else one]
 
-    def _blame(self, weak: int) -> str:
+    def _blame(self, weak: str) -> str:
         """Return that a chamber has less air than it shows."""
         return (
-            f"{self._device}: the chamber of {self._channels[weak]} leaks behind its tube, or its "
-            f"monitor is off, or {self._moved} is pushed or held"
+            f"{self._device}: the chamber of {weak} leaks behind its tube, or its monitor is off, "
+            f"or {self._moved} is pushed or held"
+        )
+
+    def _blame_seals(self, weak: str) -> str:
+        """Return the same of a pair that stands, which worn or other seals would hold as well."""
+        return (
+            f"{self._device}: {self._moved} has more friction than the profile says ({_MEASURES}), "
+            f"or is pushed or held, or the chamber of {weak} leaks behind its tube, or its "
+            "monitor is off"
         )
 
     def _missing(self, pair: tuple[int, int], sticks: bool) -> tuple[float, float]:
