@@ -366,9 +366,9 @@ class TrackingWatch:
             return (
                 f"{self._names[k]} sticks and slips at {frequency:.1f} Hz, {size:.2g} mm peak to "
                 f"peak, about its reference, and stands for {100.0 * rests.share:.0f} % of the "
-                "time: its friction is more than the profile says, its regulators are slower, or "
-                "its gains bear neither; `rig calibrate RIG friction response` measures both, then "
-                "`rig tune RIG` looks for gains"
+                "time: its friction is more than the profile says, its regulators are slower or "
+                "later, or its gains bear neither; `rig calibrate RIG friction response` measures "
+                "both, then `rig tune RIG` looks for gains"
             )
         return (
             f"{self._names[k]} oscillates at {frequency:.1f} Hz, {size:.2g} mm peak to peak, about "
