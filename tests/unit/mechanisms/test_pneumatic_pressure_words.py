@@ -198,6 +198,20 @@ def test_two_means_that_fall_by_half_of_the_bound_are_the_supply(count):
             assert f"{', '.join(names)} fall short" in said
 
 
+def test_what_had_more_than_it_was_asked_for_at_rest_cannot_go_so_low():
+    """A floor is learnt as usual, and is not there any more where a chamber is filled beyond it."""
+    half = 0.5 * OFFSET
+    for usual, floor in ((math.nextafter(half, math.inf), True), (half, False)):
+        bench = Bench(**CALM)
+        bench.pass_by(2)
+        for channel in bench.watch._channels:
+            channel.usual, channel.mean = OFFSET, -1.0
+        bench.watch._channels[1].usual = usual
+        said = bench.watch._explain_strange(0)
+        assert said.startswith("at rest no regulator goes as low as it was asked to, or ") is floor
+        assert "the supply pressure is lost: ch1, ch2, ch3, ch4 fall short" in said
+
+
 def test_half_of_the_bound_itself_is_not_short():
     bench = Bench(**CALM)
     bench.pass_by(2)

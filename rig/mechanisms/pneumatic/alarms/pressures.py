@@ -277,7 +277,10 @@ class PressureWatch:
             return f"the {part} of {name} is slow"
         low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
         if len(low) > 1 and k in low:
-            return _fall_short(self._names[i] for i in low)
+            short = _fall_short(self._names[i] for i in low)
+            if all(channels[i].usual > _ALIKE * bound for i in low):
+                return f"at rest no {part} goes as low as it was asked to, or {short}"
+            return short
         least = LEAST_LAG * self._bounds.loop
         if self._ways.share_gone(k, least) < _STAYS:
             return f"{self._explain()}, or it is slow"
