@@ -7,7 +7,6 @@ import pytest
 
 from rig.assembly import REGISTRY, Backend, make_law
 from rig.config import load_profile
-from rig.config.names import find_configs
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.hal import ConfigurationError
@@ -42,23 +41,35 @@ def test_dead_time_that_nobody_told_is_taken_from_the_delay_margin(seed, azimuth
     )
     assert was.margins.delay - late.margins.delay > 2e-3
     assert late.margins.sensitivity > 1.05 * was.margins.sensitivity
-    assert was.margins.crossover == pytest.approx(26.0, rel=0.15)  # rad/s; linear model: 36
-    assert 1.7 < was.margins.sensitivity < 3.0
+    assert was.margins.crossover == pytest.approx(28.0, rel=0.15)  # rad/s; linear model: 39
+    assert 1.4 < was.margins.sensitivity < 3.0
+
+
+STIFF = {
+    "ball_friction": 1.24, "friction_distance": 33.96e-6, "pair.position_rate": 111.0,
+    "pair.velocity_rate": 132.8, "pair.integral": 9627.0, "pair.hold_integral": 129.8,
+    "pair.observer_bandwidth": 714.4, "pair.force_trust": 0.09887, "pair.lead_bandwidth": 204.6,
+    "pair.disturbance_gain": 0.02879, "pair.disturbance_bandwidth": 41.06,
+    "pair.anticipation": 0.281, "pair.feedforward.gain": 1.035,
+    "pair.feedforward.distance": 2.003e-6, "pair.feedforward.learning_rate": 0.05122,
+    "pair.feedforward.error_rate": 0.08454,
+}  # fmt: skip
+"""Gains that `joint` had before its own, with a sensitivity of 2.1 to 2.6, measured."""
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_gains_that_a_run_foretells_to_swing_do(seed, tmp_path):
     """With less of both rates the linear model has a longer delay margin, and the ring swings."""
-    gains = load_profile("joint", REGISTRY, (), find_configs(None)).controllers["cascade"].pair
+    stiff = tuple(f"controllers.cascade.{name}={value}" for name, value in STIFF.items())
     soft = (
-        f"controllers.cascade.pair.position_rate={0.7 * gains.position_rate}",
-        f"controllers.cascade.pair.velocity_rate={0.8 * gains.velocity_rate}",
+        f"controllers.cascade.pair.position_rate={0.7 * STIFF['pair.position_rate']}",
+        f"controllers.cascade.pair.velocity_rate={0.8 * STIFF['pair.velocity_rate']}",
     )
-    unit = f"simulation.seed={seed}"
-    before = recorded(tmp_path / "before", unit)
+    unit = (f"simulation.seed={seed}", *stiff)
+    before = recorded(tmp_path / "before", *unit)
     foretold = loop_of(before, *soft).margins
     assert foretold.sensitivity > 1.5 * loop_of(before).margins.sensitivity
-    assert recorded(tmp_path / "soft", unit, *soft).exit_code != 0
+    assert recorded(tmp_path / "soft", *unit, *soft).exit_code != 0
 
 
 def test_what_tells_no_loop_is_a_sentence(tmp_path):

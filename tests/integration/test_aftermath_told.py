@@ -27,7 +27,7 @@ def broken(tmp_path, monkeypatch, capfd):
 
 def test_a_hazard_that_is_not_counted_is_told_wherever_one_looks(broken, capfd):
     code, folder, said = broken("{phase: run, after: 2 s}")
-    hit = "end stop hit of position: -30.1"
+    hit = "end stop hit of position: -30."
     assert code == 0
     assert f"not counted: {hit}" in said.err and "ms after it broke" in said.err
     page = (folder.parents[1] / "campaign.html").read_text()

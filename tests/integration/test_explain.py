@@ -195,7 +195,7 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     code, out, _ = said(capsys, "--runs", str(runs))
     assert code == 0
     assert "tracking_rms_01 is" in out
-    assert re.search(r"is \d+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
+    assert re.search(r"is [\d.]+ µm, max 0.001 µm;", out), "in the unit of the run's own table"
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
     assert "next: Is the rig as its profile says? `rig status cylinder`" in out
 

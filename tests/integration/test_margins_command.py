@@ -83,7 +83,7 @@ def test_gains_that_are_worse_on_the_rig_are_taken_back(place, capfd):
     tuned(place, 2.0, position_rate=100.0, velocity_rate=100.0)  # not over those taken back
     assert measured(capfd)[1]["before"]["gains"] == "the profile's own"
     softer = yaml.safe_load(file.read_text())["provenance"]
-    tuned(place, 1.0, softer["date"], position_rate=160.0, velocity_rate=160.0)
+    tuned(place, 1.0, softer["date"], position_rate=165.0, velocity_rate=158.0)
     code, found, err = measured(capfd)
     assert code == 1 and found["before"]["gains"] == f"those of {softer['date']}"
     assert cascade(place).position_rate == 100.0

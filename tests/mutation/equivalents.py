@@ -46,7 +46,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         )
         for line in (
             "against = -pull if off > 0.0 else pull",
-            "return other if off > 0.0 else one",
+            "return self._channels[other if off > 0.0 else one]",
         )
     ),
     *(
@@ -118,7 +118,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/balance.py",
-        "weak = self._pairs[pair][0 if missing < 0.0 else 1]",
+        "weak = self._channels[self._pairs[pair][0 if missing < 0.0 else 1]]",
         "missing < 0.0 -> missing <= 0.0",
         "nothing is said of a pair that lacks nothing",
     ),

@@ -37,7 +37,7 @@ def test_of_every_law_of_a_shipped_profile_it_is_said_where_its_gains_come_from(
 def test_what_was_tried_is_a_command_of_that_profile(rig, law):
     said = told()[rig, law]
     assert law in load_profile(rig, REGISTRY, ("calibration=false",), find_configs()).controllers
-    commands = re.findall(r"`rig tune ([a-z-]+) --generations \d+`", said)
+    commands = re.findall(r"`rig tune ([a-z-]+)(?: --controller [a-z-]+)? --generations \d+`", said)
     assert rig in commands
     file = (find_configs()[-1] / "rigs" / f"{rig}.yaml").read_text(encoding="utf-8")
     assert "rig tune" in file

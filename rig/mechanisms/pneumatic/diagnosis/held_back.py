@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CAUSE: Final = "held_back"
-_NEAR: Final = 0.01
+_NEAR: Final = 0.02
 """Share of the permitted range within which a setpoint stands at its end: what laws foresee of
 their regulators takes off as much."""
 _LONG: Final = 0.2
