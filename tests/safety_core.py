@@ -41,6 +41,7 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
+        "mechanisms/test_pneumatic_strange_means.py",
     ),
     "rig/mechanisms/pneumatic/alarms/answers.py": (
         "mechanisms/test_pneumatic_stray_pressures.py",
@@ -48,6 +49,7 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_learnt.py",
         "mechanisms/test_pneumatic_pressure_moves.py",
         "mechanisms/test_pneumatic_pressure_words.py",
+        "mechanisms/test_pneumatic_strange_means.py",
     ),
     "rig/mechanisms/pneumatic/alarms/frozen.py": ("mechanisms/test_pneumatic_frozen_monitor.py",),
     "rig/mechanisms/pneumatic/alarms/jumped.py": ("mechanisms/test_pneumatic_jumped_monitor.py",),

@@ -12,14 +12,9 @@ from controllers.cylinder.pid import PidSettings
 from controllers.cylinder.pid_friction import PidFrictionSettings
 from rig.config import Profile
 
-_SOFT: Final = 0.3
-"""Share of the stiffness of 2e7 Pa/m, which swings between levels on regulators of 0.67 of the
-speed. The integral has its square: a pair with little friction must not hunt, or it is let go."""
-
-PLACES: Final = PidSettings(
-    proportional=_SOFT * 2e7, integral=_SOFT**2 * 1e8, derivative=_SOFT * 4e5
-)
-"""Of a PID that takes a pair from place to place."""
+_PLACES: Final = PidSettings(proportional=6e6, integral=9e6, derivative=1.2e5)
+"""Of a PID that takes a pair from place to place. Three times as stiff it swings between levels on
+regulators of 0.67 of the speed. More integral makes a pair with little friction hunt."""
 
 FIRST_LAW: Final = "pid-friction"
 """It swings least on cylinders and at rates that its gains were not tuned for: a PID that has
@@ -34,7 +29,7 @@ back, not for work."""
 
 def with_placing_law(profile: Profile) -> tuple[Profile, str]:
     """Return a profile with the law that takes a pair from place to place, and its name."""
-    return replace(profile, controllers={**profile.controllers, "pid": PLACES}), "pid"
+    return replace(profile, controllers={**profile.controllers, "pid": _PLACES}), "pid"
 
 
 def with_first_law(profile: Profile) -> Profile:

@@ -32,7 +32,9 @@ _MEASURES: Final = "`rig calibrate RIG friction` measures it"
 _STUCK: Final = f", or has more friction than the profile says ({_MEASURES})"
 """What holds a pair that stands, beside air and hands …"""
 _WORN: Final = 2.0
-"""Up to so many times the breakaway that is told, seals that have more of it are the likeliest."""
+_LACKS: Final = 1.0
+"""Seals with more friction are the likeliest up to so many times the breakaway that is told: of
+what pulls a pair back, and of what is missing beyond what they may hold."""
 _SLIDES: Final = (
     "; or its seals have far less friction than the profile says (`rig calibrate RIG friction`)"
 )
@@ -144,7 +146,7 @@ class PullBalance:
             self._channels[pair[0 if missing < 0.0 else 1]] for missing, pair in found
         )
         most, stood = abs(found[0][0]), stands(late_of(self._instants(found[0][1])))
-        if stood and most <= (_WORN - 1.0) * self._friction.breakaway:
+        if stood and most <= _LACKS * self._friction.breakaway:
             blamed = self._blame_seals(weak)
         else:
             blamed = f"{self._blame(weak)}{_STUCK if stood else ''}"
